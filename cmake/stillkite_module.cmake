@@ -1,0 +1,40 @@
+# stillkite_module(NAME SOURCES ... LINK ... [LINK_PRIVATE ...])
+# One folder, one library: target stillkite_NAME, alias stillkite::NAME.
+function(stillkite_module NAME)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LINK_PRIVATE" ${ARGN})
+  add_library(stillkite_${NAME} STATIC ${ARG_SOURCES})
+  add_library(stillkite::${NAME} ALIAS stillkite_${NAME})
+  set_target_properties(stillkite_${NAME} PROPERTIES EXPORT_NAME ${NAME}
+                                                     POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(stillkite_${NAME} PUBLIC cxx_std_20)
+  target_include_directories(stillkite_${NAME} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/stillkite>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(stillkite_${NAME} PUBLIC ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
+  stillkite_compile_options(stillkite_${NAME})
+endfunction()
+
+# Warnings and sanitizers, the same for every target of the project. A designated initialiser may
+# leave out members on purpose: their defaults live in the struct.
+function(stillkite_compile_options TARGET)
+  target_compile_options(${TARGET} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                                           -Wno-sign-conversion -Wno-missing-field-initializers)
+  if(STILLKITE_SANITIZE)
+    # what a stray pointer does, the address sanitizer sees; checking it twice at each of Eigen's
+    # accesses costs half of the compile time
+    target_compile_options(${TARGET} PUBLIC -fsanitize=address,undefined -fno-sanitize-recover=all
+                                            -fno-sanitize=null,alignment,object-size
+                                            -fno-omit-frame-pointer)
+    target_link_options(${TARGET} PUBLIC -fsanitize=address,undefined)
+  endif()
+endfunction()
+
+# stillkite_test(NAME SOURCES ... LINK ...): one GoogleTest program, its cases found by ctest.
+function(stillkite_test NAME)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${NAME} ${ARG_SOURCES})
+  target_link_libraries(${NAME} PRIVATE ${ARG_LINK} GTest::gtest GTest::gtest_main)
+  stillkite_compile_options(${NAME})
+  gtest_discover_tests(${NAME} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+endfunction()

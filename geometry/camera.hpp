@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+
+enum class DistortionModel { none, radial_tangential, equidistant };
+
+template <>
+struct EnumNames<DistortionModel> {
+  static constexpr auto value = std::to_array<std::pair<DistortionModel, std::string_view>>(
+      {{DistortionModel::none, "none"},
+       {DistortionModel::radial_tangential, "radial-tangential"},
+       {DistortionModel::equidistant, "equidistant"}});
+};
+
+/// A pinhole camera with lens distortion. The centre of the first pixel is at (0, 0), as in OpenCV.
+/// Coefficients: radial_tangential k1 k2 p1 p2 k3 k4 k5 k6 (OpenCV's order, the rest zero);
+/// equidistant k1 k2 k3 k4 (Kannala-Brandt, OpenCV's fisheye).
+struct Camera {
+  int width_px = 0;
+  int height_px = 0;
+  double focal_x_px = 0;
+  double focal_y_px = 0;
+  double centre_x_px = 0;
+  double centre_y_px = 0;
+  DistortionModel distortion = DistortionModel::none;
+  std::array<double, 8> coefficients{};
+
+  bool operator==(const Camera&) const = default;
+};
+
+/// Distorted image of the point (x, y) of the plane z = 1, with d(pixel)/d(x, y).
+struct DistortedPoint {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix2d jacobian;
+};
+[[nodiscard]] DistortedPoint distort(const Camera& camera, const Eigen::Vector2d& point);
+
+/// Pixel of a point in the camera frame; nothing if it is not in front of the camera.
+[[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera,
+                                                     const Eigen::Vector3d& x_in_camera);
+
+/// Point (x, y) of the plane z = 1 that is seen at the pixel (Newton's method on `distort`);
+/// nothing where the lens model cannot be inverted.
+[[nodiscard]] std::optional<Eigen::Vector2d> undistort(const Camera& camera,
+                                                       const Eigen::Vector2d& pixel);
+
+/// The camera of the image of half size whose pixels are means of 2x2 pixels.
+[[nodiscard]] Camera half_resolution(const Camera& camera);
+
+}  // namespace stillkite

@@ -1,0 +1,63 @@
+#include "geometry/rigid_transform.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillkite {
+
+RigidTransform RigidTransform::inverse() const {
+  const Eigen::Quaterniond back = rotation.conjugate();
+  return {back, -(back * translation)};
+}
+
+Eigen::Vector3d RigidTransform::operator*(const Eigen::Vector3d& x) const {
+  return rotation * x + translation;
+}
+
+RigidTransform RigidTransform::operator*(const RigidTransform& other) const {
+  return {(rotation * other.rotation).normalized(), rotation * other.translation + translation};
+}
+
+Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Eigen::Quaterniond so3_exp(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  // sin(a/2)/a from its series where the division would lose digits
+  const double scale = angle < 1e-6 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+  const Eigen::Vector3d xyz = scale * w;
+  return Eigen::Quaterniond(std::cos(0.5 * angle), xyz.x(), xyz.y(), xyz.z());
+}
+
+Eigen::Vector3d so3_log(const Eigen::Quaterniond& rotation) {
+  // q and -q are one rotation: take the one with the shorter way
+  const double sign = rotation.w() < 0 ? -1.0 : 1.0;
+  const double w = sign * rotation.w();
+  const Eigen::Vector3d xyz = sign * rotation.vec();
+  const double sine = xyz.norm();
+  const double scale = sine < 1e-9 ? 2.0 / w : 2.0 * std::atan2(sine, w) / sine;
+  return scale * xyz;
+}
+
+Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  const Eigen::Matrix3d W = skew(w);
+  if (angle < 1e-5) return Eigen::Matrix3d::Identity() + 0.5 * W;
+  const double square = angle * angle;
+  return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / square * W +
+         (angle - std::sin(angle)) / (square * angle) * W * W;
+}
+
+double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return so3_log(a.conjugate() * b).norm();
+}
+
+RigidTransform interpolate(const RigidTransform& a, const RigidTransform& b, double ratio) {
+  return {a.rotation.slerp(ratio, b.rotation),
+          (1.0 - ratio) * a.translation + ratio * b.translation};
+}
+
+}  // namespace stillkite

@@ -1,0 +1,26 @@
+# Shared by scripts/demo, scripts/test and .ci/run; to be sourced. Leaves the shell in the
+# repository's root.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+say() { echo "== $*"; }
+
+# Through sudo only the packages need root: what is built belongs to the user who owns the tree.
+return_to_the_user() {
+  if ((EUID == 0)) && [[ ${SUDO_UID:-0} != 0 && $(stat --format=%u .) == "$SUDO_UID" ]]; then
+    exec sudo --set-home --user="#$SUDO_UID" -- "$@"
+  fi
+}
+
+# configure PRESET [cmake arguments]
+configure() {
+  say "configuring build/$1"
+  CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-$(command -v ccache || true)} \
+    cmake --preset "$@" --log-level=WARNING >/dev/null
+}
+
+# build PRESET [cmake --build arguments]
+build() {
+  say "building build/$1"
+  cmake --build --preset "$@"
+}
