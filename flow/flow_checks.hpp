@@ -1,0 +1,39 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <opencv2/core/mat.hpp>
+#include <type_traits>
+
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+
+/// The config itself; InputError names the first number that is out of its range.
+template <typename Config>
+[[nodiscard]] const Config& in_range(const Config& config) {
+  Config::fields(config, [](const char* name, const auto& value, const auto&... about) {
+    const auto check = [&](const auto& range) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(range)>, Range>) {
+        if (!range.contains(static_cast<double>(value))) {
+          throw InputError(fmt::format("flow: {} = {} is outside {}{}, {}]", name, value,
+                                       range.open_min ? "(" : "[", range.min, range.max));
+        }
+      }
+    };
+    (check(about), ...);
+  });
+  return config;
+}
+
+/// InputError unless both are grey 8-bit frames of one size.
+inline void check_frames(const cv::Mat& previous, const cv::Mat& current) {
+  if (previous.empty() || previous.type() != CV_8UC1 || current.type() != CV_8UC1 ||
+      previous.size() != current.size()) {
+    throw InputError(fmt::format(
+        "flow: frames of {}x{} and {}x{} pixels; give two grey 8-bit frames of one size",
+        previous.cols, previous.rows, current.cols, current.rows));
+  }
+}
+
+}  // namespace stillkite

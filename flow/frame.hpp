@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+
+#include "geometry/time.hpp"
+
+namespace stillkite {
+
+/// One grey picture of the camera, CV_8UC1. The pixels are shared, not copied.
+struct Frame {
+  Timestamp stamp;
+  std::int64_t index = 0;  ///< of the frame in its source, rejected ones counted too
+  cv::Mat grey;
+};
+
+}  // namespace stillkite

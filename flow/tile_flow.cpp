@@ -1,0 +1,91 @@
+#include "flow/tile_flow.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "flow/tile_sums.hpp"
+
+namespace stillkite {
+namespace {
+
+std::array<CubicWeights, 128> make_cubic_weights() {
+  std::array<CubicWeights, 128> table{};
+  for (std::size_t k = 0; k < table.size(); ++k) {
+    const double f = static_cast<double>(k) / 128;
+    const double before = -f * (1 - f) * (1 - f) / 2;
+    const double after = -f * f * (1 - f) / 2;
+    const double right = f * (1 + 4 * f - 3 * f * f) / 2;
+    const std::array<double, 4> w{before, 1 - before - right - after, right, after};
+    int left = 64;
+    for (std::size_t i = 0; i < 4; ++i) {
+      table[k].q6[i] = static_cast<std::int16_t>(std::lround(w[i] * 64));
+      table[k].q15[i] = static_cast<std::int16_t>(std::min(std::lround(w[i] * 32768), 32767L));
+      left -= table[k].q6[i];
+    }
+    table[k].q6[1] = static_cast<std::int16_t>(table[k].q6[1] + left);
+  }
+  return table;
+}
+
+}  // namespace
+
+const CubicWeights& cubic_weights(int fraction_128) {
+  static const std::array<CubicWeights, 128> table = make_cubic_weights();
+  return table[static_cast<std::size_t>(fraction_128)];
+}
+
+TileGrid make_tile_grid(int width_px, int height_px, int columns_per_tile, int rows_per_tile) {
+  TileGrid grid;
+  grid.columns = columns_per_tile;
+  grid.rows = rows_per_tile;
+  const int columns = std::max(0, (width_px - 2) / columns_per_tile);
+  const int lines = std::max(0, (height_px - 2) / rows_per_tile);
+  const int left = (width_px - columns * columns_per_tile) / 2;
+  const int top = (height_px - lines * rows_per_tile) / 2;
+  const int padding = TileGrid::kPadding;
+  grid.count = (columns * lines + padding - 1) / padding * padding;
+  for (int i = 0; i < grid.count; ++i) {
+    const bool real = i < columns * lines;
+    const int x = real ? left + i % columns * columns_per_tile : 0;
+    const int y = real ? top + i / columns * rows_per_tile : 0;
+    grid.left_px.push_back(x);
+    grid.top_px.push_back(y);
+    // an empty tile has its centre nowhere, so that it lands on no image
+    const float centre = real ? 0.0F : TilePlacement::kNowhere_px;
+    grid.centre_x_px.push_back(centre + static_cast<float>(x) +
+                               0.5F * static_cast<float>(columns_per_tile - 1));
+    grid.centre_y_px.push_back(centre + static_cast<float>(y) +
+                               0.5F * static_cast<float>(rows_per_tile - 1));
+  }
+  return grid;
+}
+
+void TilePlacement::resize(int count) {
+  for (auto* v : {&x_px, &y_px, &axx, &axy, &ayx, &ayy}) v->resize(static_cast<std::size_t>(count));
+}
+
+void TileMeasurements::resize(int count) {
+  for (auto* v : {&gxx, &gxy, &gyy, &gx, &gy, &residual, &contrast, &gain_product}) {
+    v->resize(static_cast<std::size_t>(count));
+  }
+}
+
+const TileMeasurements& TileFlow::measure(const cv::Mat& reference, const cv::Mat& current,
+                                          const TileGrid& grid, const TilePlacement& placement,
+                                          TileWarp warp, float gain, const TileEffort& effort) {
+  CV_Assert(reference.type() == CV_8UC1 && current.type() == CV_8UC1);
+  CV_Assert(reference.size() == current.size());
+  measurements_.resize(grid.count);
+  const auto view = [](const cv::Mat& m) {
+    return ImageView{m.data, static_cast<std::ptrdiff_t>(m.step[0]), m.cols, m.rows};
+  };
+  if (warp == TileWarp::shift) {
+    measure_shifted(view(reference), view(current), grid, placement, gain, effort, measurements_);
+  } else {
+    measure_deformed(view(reference), view(current), grid, placement, gain, measurements_);
+  }
+  return measurements_;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace stillkite {
+
+/// Windows side by side over one image. Padded with empty tiles to a multiple of
+/// `kPadding`, so that vector code needs no remainder loop.
+struct TileGrid {
+  static constexpr int kPadding = 16;
+
+  int columns = 0;  ///< width of a tile, px: 16 or 32
+  int rows = 0;     ///< height of a tile, px: at most 16
+  int count = 0;    ///< tiles, padding included
+  std::vector<int> left_px, top_px;
+  std::vector<float> centre_x_px, centre_y_px;
+};
+
+/// Keeps one pixel of margin for the gradient.
+[[nodiscard]] TileGrid make_tile_grid(int width_px, int height_px, int columns_per_tile,
+                                      int rows_per_tile);
+
+/// Where each tile of the reference is expected in the current image: its centre and the
+/// deformation d(current)/d(reference) about it. A tile off the image is skipped.
+struct TilePlacement {
+  std::vector<float> x_px, y_px;
+  std::vector<float> axx, axy, ayx, ayy;
+
+  void resize(int count);
+  static constexpr float kNowhere_px = -1e6F;
+};
+
+/// What Lucas-Kanade learns of a tile's displacement u from its expected place, information form:
+/// G u = g with the structure tensor G, both over the tile and after removal of the tile's mean
+/// (a change of brightness costs nothing). Axes of the current image. A skipped tile is all zero.
+struct TileMeasurements {
+  std::vector<float> gxx, gxy, gyy;  ///< grey^2/px^2
+  std::vector<float> gx, gy;         ///< grey^2/px
+  std::vector<float> residual;       ///< sum of squared residuals before the step, grey^2
+  std::vector<float> contrast;       ///< sum of (I - mean)^2 of the reference, grey^2
+  std::vector<float> gain_product;   ///< sum of (I - mean) * residual, grey^2
+
+  void resize(int count);
+};
+
+enum class TileWarp {
+  shift,   ///< a tile is shifted in 16-bit integers, its deformation is taken to first order
+  affine,  ///< every pixel is warped as the placement says, however large the deformation
+};
+
+/// What a shifted tile may do without: cubic interpolation (else bilinear, whose error of up to
+/// 1/50 px does not matter on the way to a finer level), and the sums `contrast` and
+/// `gain_product`, which are then 0. A deformed tile always has both.
+struct TileEffort {
+  bool cubic = true;
+  bool contrast = true;
+};
+
+/// One Lucas-Kanade step of every tile: residual r = gain * reference - current(warped),
+/// G = sum of grad grad^T, g = sum of grad r. Both images CV_8UC1 and of one size.
+class TileFlow {
+ public:
+  const TileMeasurements& measure(const cv::Mat& reference, const cv::Mat& current,
+                                  const TileGrid& grid, const TilePlacement& placement,
+                                  TileWarp warp, float gain, const TileEffort& effort = {});
+
+ private:
+  TileMeasurements measurements_;
+};
+
+}  // namespace stillkite

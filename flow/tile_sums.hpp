@@ -1,0 +1,70 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "flow/tile_flow.hpp"
+
+namespace stillkite {
+
+struct ImageView {
+  const std::uint8_t* data;
+  std::ptrdiff_t stride;
+  int width;
+  int height;
+};
+
+/// Plain sums over a tile, gradients as central differences, everything in grey and pixels.
+struct TileSums {
+  float gxx = 0, gxy = 0, gyy = 0, gx = 0, gy = 0;
+  float ix = 0, iy = 0, r = 0, rr = 0, i0 = 0, i0i0 = 0, i0r = 0;
+};
+
+/// d(current)/d(reference) about a tile.
+struct Deformation {
+  float xx = 1, xy = 0, yx = 0, yy = 1;
+};
+
+/// Removes the tile's mean from gradient, residual and reference, and turns the gradient's axes
+/// from the reference image to the current one: grad' = A^-T grad.
+inline void store(const TileSums& s, float pixels, const Deformation& a, int i,
+                  TileMeasurements& out) {
+  const float n = 1.0F / pixels;
+  const float gxx = s.gxx - s.ix * s.ix * n;
+  const float gxy = s.gxy - s.ix * s.iy * n;
+  const float gyy = s.gyy - s.iy * s.iy * n;
+  const float gx = s.gx - s.ix * s.r * n;
+  const float gy = s.gy - s.iy * s.r * n;
+  const float d = 1.0F / (a.xx * a.yy - a.xy * a.yx);
+  const float bxx = a.yy * d, bxy = -a.yx * d, byx = -a.xy * d, byy = a.xx * d;  // A^-T
+  const float hxx = bxx * gxx + bxy * gxy, hxy = bxx * gxy + bxy * gyy;
+  const float hyx = byx * gxx + byy * gxy, hyy = byx * gxy + byy * gyy;
+  const auto k = static_cast<std::size_t>(i);
+  out.gxx[k] = hxx * bxx + hxy * bxy;
+  out.gxy[k] = hxx * byx + hxy * byy;
+  out.gyy[k] = hyx * byx + hyy * byy;
+  out.gx[k] = bxx * gx + bxy * gy;
+  out.gy[k] = byx * gx + byy * gy;
+  out.residual[k] = std::max(0.0F, s.rr - s.r * s.r * n);
+  out.contrast[k] = std::max(0.0F, s.i0i0 - s.i0 * s.i0 * n);
+  out.gain_product[k] = s.i0r - s.i0 * s.r * n;
+}
+
+/// Keys' cubic weights (a = -1/2) of the four pixels about a position between two pixels; bilinear
+/// weights would shift fine texture by up to 1/50 px.
+struct CubicWeights {
+  std::array<std::int16_t, 4> q6;   ///< in 1/64, their sum is exactly 1
+  std::array<std::int16_t, 4> q15;  ///< in 1/32768
+};
+/// `fraction_128`: 0 to 127.
+[[nodiscard]] const CubicWeights& cubic_weights(int fraction_128);
+
+void measure_shifted(const ImageView& reference, const ImageView& current, const TileGrid& grid,
+                     const TilePlacement& placement, float gain, const TileEffort& effort,
+                     TileMeasurements& out);
+void measure_deformed(const ImageView& reference, const ImageView& current, const TileGrid& grid,
+                      const TilePlacement& placement, float gain, TileMeasurements& out);
+
+}  // namespace stillkite
