@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "estimation/twist.hpp"
+#include "geometry/fields.hpp"
+#include "geometry/rigid_transform.hpp"
+
+namespace stillkite {
+
+struct MotionFilterConfig {
+  double acceleration_density = 0.3;
+  double angular_acceleration_density = 0.3;
+
+  static void fields(auto& self, auto&& field) {
+    field("acceleration_density", self.acceleration_density, kPositive,
+          "white acceleration of the drone, m/s^2/sqrt(Hz)");
+    field("angular_acceleration_density", self.angular_acceleration_density, kPositive,
+          "white angular acceleration of the drone, rad/s^2/sqrt(Hz)");
+  }
+};
+
+/// Kalman filter of a camera that moves at nearly constant velocity, fed with poses whose errors
+/// are white (an alignment to a keyframe), with their full covariance: speed and angular rate are
+/// confused in a picture (correlation near -0.98), so their axes cannot be filtered one by one.
+/// State: pose, velocity in world, angular rate in camera. Errors in that order, pose errors in
+/// world axes; white acceleration drives it (Bar-Shalom et al. 2001, section 6.2).
+class MotionFilter {
+ public:
+  explicit MotionFilter(const MotionFilterConfig& config);
+
+  /// At rest at `pose`, as far as the standard deviations say.
+  void start(const RigidTransform& pose, double velocity_sigma_m_s, double rate_sigma_rad_s);
+
+  /// Nothing is changed: where the camera will be after `dt_s`.
+  [[nodiscard]] RigidTransform predicted_pose(double dt_s) const;
+
+  void predict(double dt_s);
+  void update(const RigidTransform& measured_pose, const Matrix6d& covariance);
+
+  /// By a gyro in the camera's axes.
+  void update_rate(const Eigen::Vector3d& measured_rate_rad_s, const Eigen::Matrix3d& covariance);
+
+  /// The world was turned and shifted: new = change * old.
+  void transform_world(const RigidTransform& change);
+
+  /// Lengths in the world were wrong: positions, from its origin, and velocities grow by `factor`.
+  void stretch_world(double factor);
+
+  [[nodiscard]] const RigidTransform& pose() const { return pose_; }
+  /// Twist at the last frame, or as predicted.
+  [[nodiscard]] Twist twist_in_camera() const;
+  /// Mean twist over the last interval, smoothed by its last frame, in the camera half way.
+  [[nodiscard]] Twist mean_twist_in_camera() const;
+  /// Covariance of (velocity, rate) in the camera at the last frame.
+  [[nodiscard]] Matrix6d twist_covariance() const;
+  [[nodiscard]] Matrix6d pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
+
+ private:
+  using Matrix12d = Eigen::Matrix<double, 12, 12>;
+  using Vector12d = Eigen::Matrix<double, 12, 1>;
+
+  // Kalman update by an innovation of the error's components from `first` on.
+  template <int kRows>
+  void correct(int first, const Eigen::Matrix<double, kRows, 1>& innovation,
+               const Eigen::Matrix<double, kRows, kRows>& covariance);
+
+  MotionFilterConfig config_;
+  RigidTransform pose_;
+  Eigen::Vector3d velocity_in_world_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rate_in_camera_ = Eigen::Vector3d::Zero();
+  Matrix12d P_ = Matrix12d::Zero();
+
+  // of the frame before, smoothed by the last one
+  Eigen::Vector3d previous_velocity_in_world_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d previous_rate_in_camera_ = Eigen::Vector3d::Zero();
+  double interval_s_ = 0;
+  Matrix12d previous_with_predicted_ = Matrix12d::Zero();  // cross covariance P_{j-1} F^T
+};
+
+}  // namespace stillkite

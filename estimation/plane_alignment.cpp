@@ -1,0 +1,181 @@
+#include "estimation/plane_alignment.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace stillkite {
+namespace {
+
+constexpr int kClustersAcross = 8;
+constexpr int kClustersDown = PlaneObservations::kClusters / kClustersAcross;
+
+// A deformation that moves a window's corner by less than this is taken to first order.
+constexpr float kFirstOrder_px = 0.4F;
+
+// Lucas-Kanade steps of a level, at most; a step that moves less than this is the level's last.
+constexpr int most_steps(int level) {
+  return level == 0 ? 1 : 2;
+}
+constexpr double kSettled_px = 0.005;
+
+int cell(float position, int size, int cells) {
+  const float at = position * static_cast<float>(cells) / static_cast<float>(size);
+  return std::clamp(static_cast<int>(at), 0, cells - 1);
+}
+
+}  // namespace
+
+PlaneAligner::PlaneAligner(const Camera& camera, const PlaneAlignmentConfig& config)
+    : config_(config), solver_(config.solver) {
+  const int count = pyramid_levels(camera.width_px, camera.height_px, config.levels);
+  Camera at = camera;
+  for (int i = 0; i < count; ++i) {
+    Level level{at,
+                make_tile_grid(at.width_px, at.height_px, config.tile_columns, config.tile_rows),
+                {},
+                {}};
+    level.rays = make_tile_rays(at, level.grid);
+    for (std::size_t k = 0; k < level.grid.centre_x_px.size(); ++k) {
+      level.cluster.push_back(cell(level.grid.centre_y_px[k], at.height_px, kClustersDown) *
+                                  kClustersAcross +
+                              cell(level.grid.centre_x_px[k], at.width_px, kClustersAcross));
+    }
+    levels_.push_back(std::move(level));
+    at = half_resolution(at);
+  }
+}
+
+PlaneObservations PlaneAligner::observations(const Level& level) const {
+  return {jacobian_, *measurements_, level.cluster,
+          static_cast<float>(level.grid.columns * level.grid.rows)};
+}
+
+PlaneAlignment PlaneAligner::align(const Pyramid& reference, const Pyramid& current,
+                                   const PlaneMotion& guess, const TiltPrior& tilt,
+                                   const RollingShutter& shutter) {
+  PlaneAlignment out{.motion = guess, .guessed_translation = guess.translation.norm()};
+  const int levels =
+      std::min({static_cast<int>(levels_.size()), reference.levels(), current.levels()});
+  PlaneSolution solution;
+  for (int l = levels - 1; l >= 0; --l) {
+    const Level& level = levels_[static_cast<std::size_t>(l)];
+    for (int s = 0; s < most_steps(l); ++s) {
+      // 1. where the motion takes every window
+      place_tiles(level.camera, level.rays, out.motion, tilt.axes, placement_, jacobian_);
+      if (shutter.readout_s > 0) shift_by_row_time(level, shutter);
+      // 2. what the images say of it, in information form
+      const bool exactly = config_.exact_warp && deformation_px(level.grid) > kFirstOrder_px;
+      const TileEffort effort{.cubic = l == 0, .contrast = l > 0 && s == 0};
+      measurements_ = &tile_flow_.measure(reference.level(l), current.level(l), level.grid,
+                                          placement_, exactly ? TileWarp::affine : TileWarp::shift,
+                                          static_cast<float>(out.gain), effort);
+      // 3. the motion that explains it
+      solution = solver_.solve(observations(level), tilt, out.tilt_rad);
+      out.solvable = solution.ok;
+      if (!solution.ok) break;
+      out.motion = apply(out.motion, solution.step, tilt.axes);
+      out.tilt_rad += solution.step.tail<2>();
+      if (effort.contrast || exactly) match_brightness(out, l > 0);
+      out.last_update_px = update_px(level, solution.step);
+      if (out.last_update_px < kSettled_px) break;
+    }
+  }
+  if (out.solvable) assess(solution, out);
+  return out;
+}
+
+void PlaneAligner::shift_by_row_time(const Level& level, const RollingShutter& shutter) {
+  // a row is seen later than the middle one; the scene moves against the camera
+  const float middle = 0.5F * static_cast<float>(level.camera.height_px - 1);
+  const float s_per_row =
+      static_cast<float>(shutter.readout_s) / static_cast<float>(level.camera.height_px);
+  for (std::size_t i = 0; i < placement_.x_px.size(); ++i) {
+    const float later_s = s_per_row * (placement_.y_px[i] - middle);
+    const float reference_later_s = s_per_row * (level.grid.centre_y_px[i] - middle);
+    for (int a = 0; a < 6; ++a) {
+      const float moved = static_cast<float>(shutter.reference_twist[a]) * reference_later_s -
+                          static_cast<float>(shutter.current_twist[a]) * later_s;
+      placement_.x_px[i] += moved * jacobian_.x(a)[i];
+      placement_.y_px[i] += moved * jacobian_.y(a)[i];
+    }
+  }
+}
+
+float PlaneAligner::deformation_px(const TileGrid& grid) const {
+  float largest = 0;
+  for (std::size_t i = 0; i < placement_.x_px.size(); ++i) {
+    if (placement_.x_px[i] < 0) continue;
+    const float across = std::max(std::abs(placement_.axx[i] - 1), std::abs(placement_.ayx[i]));
+    const float down = std::max(std::abs(placement_.axy[i]), std::abs(placement_.ayy[i] - 1));
+    largest = std::max(
+        largest, across * static_cast<float>(grid.columns) + down * static_cast<float>(grid.rows));
+  }
+  return 0.5F * largest;
+}
+
+double PlaneAligner::update_px(const Level& level, const PlaneMotionStep& step) const {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < level.rays.usable.size(); i += 8) {  // a sample is enough
+    if (placement_.x_px[i] < 0) continue;
+    double ux = 0, uy = 0;
+    for (int a = 0; a < 8; ++a) {
+      ux += static_cast<double>(jacobian_.x(a)[i]) * step[a];
+      uy += static_cast<double>(jacobian_.y(a)[i]) * step[a];
+    }
+    sum += ux * ux + uy * uy;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0.0;
+}
+
+void PlaneAligner::match_brightness(PlaneAlignment& out, bool adapt) const {
+  double contrast = 0, product = 0, residual = 0;
+  const std::vector<float>& w = solver_.weights();
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    contrast += static_cast<double>(w[i]) * measurements_->contrast[i];
+    product += static_cast<double>(w[i]) * measurements_->gain_product[i];
+    residual += static_cast<double>(w[i]) * measurements_->residual[i];
+  }
+  const double variance = out.gain * out.gain * contrast - 2 * out.gain * product + residual;
+  if (!(contrast > 0 && variance > 0)) return;
+  out.correlation = (out.gain * contrast - product) / std::sqrt(contrast * variance);
+  // the ratio of contrasts is the gain, however well the images are aligned so far
+  if (adapt) out.gain = std::clamp(std::sqrt(variance / contrast), 0.3, 3.0);
+}
+
+void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
+  const Level& finest = levels_.front();
+  const PlaneObservations seen = observations(finest);
+  const std::vector<float>& w = solver_.weights();
+  double kept = 0, flow = 0;
+  int ground = 0, real = 0;
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    if (finest.rays.usable[i] == 0) continue;
+    ++real;
+    ground += jacobian_.x(0)[i] != 0 || jacobian_.y(1)[i] != 0 ? 1 : 0;
+    if (!(seen.trace(i) > seen.textured())) continue;
+    ++out.windows;
+    kept += w[i];
+    const float dx = placement_.x_px[i] - finest.grid.centre_x_px[i];
+    const float dy = placement_.y_px[i] - finest.grid.centre_y_px[i];
+    flow += std::sqrt(dx * dx + dy * dy);
+  }
+  if (out.windows == 0) {
+    out.solvable = false;
+    return;
+  }
+  out.inlier_ratio = kept / out.windows;
+  out.mean_flow_px = flow / out.windows;
+  out.ground_ratio = static_cast<double>(ground) / real;
+  out.residual_px = solver_.residual_px(seen);
+  out.covariance = solver_.covariance(seen, solution);
+  const Matrix6d A = solution.information.topLeftCorner<6, 6>();
+  const Vector6d scale = A.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * A * scale.asDiagonal(),
+                                                      Eigen::EigenvaluesOnly);
+  out.condition = eigen.eigenvalues()[5] / std::max(eigen.eigenvalues()[0], 1e-15);
+}
+
+}  // namespace stillkite

@@ -1,0 +1,136 @@
+#include "estimation/plane_solver.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace stillkite {
+namespace {
+
+using Solver = Eigen::LDLT<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>>;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1>;
+
+// The median of chi-square with two degrees of freedom, 2 ln 2.
+constexpr double kMedianChi2 = 1.3862943611198906;
+constexpr std::size_t kEnoughForMedian = 512;
+constexpr std::size_t kFewestWindows = 8;
+
+// 0 if there is nothing to take a median of.
+float median_of(std::vector<float>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Solves A x = b after scaling A to a unit diagonal, for metres and radians differ in size.
+struct ScaledSolver {
+  SmallVector scale;
+  Solver ldlt;
+
+  explicit ScaledSolver(const SmallMatrix& A)
+      : scale(A.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse()),
+        ldlt(scale.asDiagonal() * A * scale.asDiagonal()) {}
+  [[nodiscard]] bool singular() const {
+    return ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-9);
+  }
+  [[nodiscard]] SmallMatrix solve(const SmallMatrix& b) const {
+    return scale.asDiagonal() * SmallMatrix(ldlt.solve(SmallMatrix(scale.asDiagonal() * b)));
+  }
+};
+
+}  // namespace
+
+PlaneSolution PlaneSolver::solve(const PlaneObservations& seen, const TiltPrior& tilt,
+                                 const Eigen::Vector2d& tilt_now) {
+  PlaneSolution best;
+  PlaneMotionStep prior_gradient = PlaneMotionStep::Zero();
+  if (tilt.covariance) {
+    best.parameters = 8;
+    best.prior.bottomRightCorner<2, 2>() =
+        tilt.covariance->ldlt().solve(Eigen::Matrix2d::Identity());
+    prior_gradient.tail<2>() = -best.prior.bottomRightCorner<2, 2>() * tilt_now;
+  }
+  const int n = best.parameters;
+  const auto count = static_cast<std::size_t>(seen.jacobian.count);
+  const std::size_t stride = 1 + count / kEnoughForMedian;
+  weights_.assign(count, 1.0F);
+  for (int round = 0; round <= (config_.robust ? config_.reweightings : 0); ++round) {
+    // residuals at the last solution give the scale and the weights of the next
+    squared_residuals(seen.jacobian, seen.measurements, best.step, seen.textured(), chi2_);
+    scratch_.clear();
+    for (std::size_t i = 0; i < count; i += stride) {
+      if (seen.trace(i) > seen.textured()) scratch_.push_back(chi2_[i]);
+    }
+    if (scratch_.size() * stride < kFewestWindows) return best;
+    best.noise_variance = std::max(median_of(scratch_) / kMedianChi2, 0.05);
+    if (round > 0) {
+      const double cutoff2 = config_.outlier_sigma * config_.outlier_sigma;
+      const auto scale = static_cast<float>(1.0 / (cutoff2 * best.noise_variance));
+      for (std::size_t i = 0; i < count; ++i) {
+        const float w = 1.0F / (1.0F + chi2_[i] * scale);
+        weights_[i] = w * w;
+      }
+    }
+    const NormalEquations sum = accumulate(seen.jacobian, seen.measurements, weights_);
+    best.information = sum.information / best.noise_variance + best.prior;
+    const PlaneMotionStep gradient = sum.gradient / best.noise_variance + prior_gradient;
+    const ScaledSolver A(best.information.topLeftCorner(n, n));
+    if (A.singular()) return best;
+    const SmallMatrix step = A.solve(gradient.head(n));
+    if (!step.allFinite()) return best;
+    best.step.head(n) = step;
+    best.ok = true;
+  }
+  squared_residuals(seen.jacobian, seen.measurements, best.step, seen.textured(), chi2_);
+  return best;
+}
+
+PlaneMotionMatrix PlaneSolver::covariance(const PlaneObservations& seen,
+                                          const PlaneSolution& solution) const {
+  const TileMeasurements& m = seen.measurements;
+  const TileJacobian& J = seen.jacobian;
+  std::array<Eigen::Matrix<float, 8, 1>, PlaneObservations::kClusters> left;
+  left.fill(Eigen::Matrix<float, 8, 1>::Zero());
+  const Eigen::Matrix<float, 8, 1> step = solution.step.cast<float>();
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    if (!(seen.trace(i) > 0)) continue;
+    float ux = 0, uy = 0;
+    for (int a = 0; a < 8; ++a) {
+      ux += J.x(a)[i] * step[a];
+      uy += J.y(a)[i] * step[a];
+    }
+    const float ex = weights_[i] * (m.gx[i] - m.gxx[i] * ux - m.gxy[i] * uy);
+    const float ey = weights_[i] * (m.gy[i] - m.gxy[i] * ux - m.gyy[i] * uy);
+    auto& s = left[static_cast<std::size_t>(seen.cluster[i])];
+    for (int a = 0; a < 8; ++a) s[a] += J.x(a)[i] * ex + J.y(a)[i] * ey;
+  }
+  PlaneMotionMatrix scatter = PlaneMotionMatrix::Zero();
+  int clusters = 0;
+  for (const auto& s : left) {
+    const PlaneMotionStep gradient = s.cast<double>() / solution.noise_variance;
+    scatter += gradient * gradient.transpose();
+    clusters += s.squaredNorm() > 0 ? 1 : 0;
+  }
+  const int n = solution.parameters;
+  scatter *= clusters > n ? static_cast<double>(clusters) / (clusters - n) : n;
+  scatter += solution.prior;
+  const ScaledSolver A(solution.information.topLeftCorner(n, n));
+  PlaneMotionMatrix covariance = PlaneMotionMatrix::Zero();
+  const SmallMatrix half = A.solve(scatter.topLeftCorner(n, n));
+  covariance.topLeftCorner(n, n) = A.solve(half.transpose());
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+double PlaneSolver::residual_px(const PlaneObservations& seen) {
+  scratch_.clear();
+  const std::size_t stride = 1 + chi2_.size() / kEnoughForMedian;
+  for (std::size_t i = 0; i < chi2_.size(); i += stride) {
+    if (seen.trace(i) > seen.textured()) scratch_.push_back(chi2_[i] / seen.trace(i));
+  }
+  return std::sqrt(2 * median_of(scratch_) / kMedianChi2);
+}
+
+}  // namespace stillkite

@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "estimation/motion_filter.hpp"
+
+// The steady state of a constant-velocity filter fed with positions of variance R every T seconds
+// and driven by white acceleration of density q has a closed form in the tracking index
+// lambda^2 = q T^3 / R. With s^2 = 1 - alpha and beta = lambda s the Riccati equation is the
+// palindrome
+//
+//     s^4 - lambda s^3 + (lambda^2 / 6 - 2) s^2 - lambda s + 1 = 0,
+//
+// a quadratic in s + 1/s (Kalata's alpha-beta filter, for white acceleration in continuous time).
+
+namespace stillkite {
+namespace {
+
+struct Gains {
+  double alpha;  // of the position
+  double beta;   // of the velocity: K = beta / T
+};
+
+Gains closed_form(double lambda) {
+  const double sum = 0.5 * (lambda + std::sqrt(lambda * lambda / 3 + 16));  // s + 1/s
+  const double s = 0.5 * (sum - std::sqrt(sum * sum - 4));
+  return {1 - s * s, lambda * s};
+}
+
+constexpr double kStep_s = 0.04;
+constexpr MotionFilterConfig kConfig{.acceleration_density = 0.5,
+                                     .angular_acceleration_density = 0.2};
+
+// The filter after many exact measurements of a camera at rest, with errors as they are claimed.
+MotionFilter settled(double position_sigma_m, double angle_sigma_rad) {
+  MotionFilter filter(kConfig);
+  const RigidTransform pose{so3_exp({0.4, -1.0, 0.3}), {1, 2, 3}};
+  filter.start(pose, 5, 1);
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal().head<3>().setConstant(position_sigma_m * position_sigma_m);
+  covariance.diagonal().tail<3>().setConstant(angle_sigma_rad * angle_sigma_rad);
+  for (int k = 0; k < 5000; ++k) {
+    filter.predict(kStep_s);
+    filter.update(pose, covariance);
+  }
+  return filter;
+}
+
+void expect_closed_form(double position_variance, double velocity_variance, double sigma,
+                        double density) {
+  const double R = sigma * sigma;
+  const double q = density * density;
+  const Gains gains = closed_form(std::sqrt(q * kStep_s * kStep_s * kStep_s / R));
+  EXPECT_NEAR(position_variance / (gains.alpha * R), 1, 1e-9);
+  const double expected =
+      R * gains.alpha * gains.beta / (kStep_s * kStep_s * (1 - gains.alpha)) - 0.5 * q * kStep_s;
+  EXPECT_NEAR(velocity_variance / expected, 1, 1e-9);
+}
+
+TEST(MotionFilterGain, SettlesAtTheClosedFormOfEveryTrackingIndex) {
+  for (const double sigma : {1e-4, 1e-3, 1e-2, 0.1}) {
+    const MotionFilter filter = settled(sigma, sigma);
+    for (int axis = 0; axis < 3; ++axis) {
+      expect_closed_form(filter.pose_covariance()(axis, axis),
+                         filter.twist_covariance()(axis, axis), sigma,
+                         kConfig.acceleration_density);
+      expect_closed_form(filter.pose_covariance()(axis + 3, axis + 3),
+                         filter.twist_covariance()(axis + 3, axis + 3), sigma,
+                         kConfig.angular_acceleration_density);
+    }
+  }
+}
+
+TEST(MotionFilterGain, ClosedFormIsTheDoubleIntegratorsInContinuousTime) {
+  // Kalman-Bucy, measurement noise of density r = R T: gains sqrt(2) w and w^2, w^4 = q / r
+  constexpr double kShortStep_s = 1e-5;
+  constexpr double kNoiseDensity = 0.04;
+  constexpr double kAccelerationDensity = 0.25;
+  const double w = std::pow(kAccelerationDensity / kNoiseDensity, 0.25);
+  const double R = kNoiseDensity / kShortStep_s;
+  const Gains gains = closed_form(std::sqrt(kAccelerationDensity * std::pow(kShortStep_s, 3) / R));
+  EXPECT_NEAR(gains.alpha / kShortStep_s, std::sqrt(2.0) * w, 1e-4);
+  EXPECT_NEAR(gains.beta / (kShortStep_s * kShortStep_s), w * w, 1e-4);
+}
+
+}  // namespace
+}  // namespace stillkite
