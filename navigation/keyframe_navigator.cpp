@@ -1,0 +1,202 @@
+#include "navigation/keyframe_navigator.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "navigation/picture_texture.hpp"
+#include "navigation/stop_watch.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr int kFramesToLearnSpeed = 3;
+
+// The level of a pyramid on which a picture's texture is looked for.
+constexpr int kTextureLevel = 2;
+
+const cv::Mat& coarse(const Pyramid& pyramid) {
+  return pyramid.level(std::min(kTextureLevel, pyramid.levels() - 1));
+}
+
+Vector6d in_heights(const Twist& twist, double height_m) {
+  Vector6d v = twist.vector();
+  v.head<3>() /= height_m;
+  return v;
+}
+
+// Height of the camera after the motion over that before: 1 - n . c, c its place in the keyframe.
+double height_ratio(const PlaneMotion& motion) {
+  return 1 + motion.normal.dot(motion.rotation.conjugate() * motion.translation);
+}
+
+FlowQuality quality_of(const PlaneAlignment& alignment) {
+  return {.windows = alignment.windows,
+          .inlier_ratio = alignment.inlier_ratio,
+          .mean_flow_px = alignment.mean_flow_px,
+          .residual_px = alignment.residual_px,
+          .condition = alignment.condition};
+}
+
+}  // namespace
+
+KeyframeNavigator::KeyframeNavigator(const Camera& camera, const RigidTransform& body_from_camera,
+                                     const NavigatorConfig& config, const InitialState& initial)
+    : camera_(camera),
+      body_from_camera_(body_from_camera),
+      config_(config),
+      aligner_(camera, config.alignment),
+      track_(body_from_camera, config, initial) {}
+
+NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterval& interval,
+                                           const SensorReadings& readings) {
+  StopWatch watch;
+  // 1. Halve the picture a few times.
+  current_.build(frame.grey, config_.alignment.levels);
+  if (interval.spoiled == Verdict::first_frame) return start(frame, readings);
+  const double pyramid_ms = watch.lap_ms();
+  // 2. Predict where the camera is by now.
+  track_.predict(interval.dt_s, readings);
+  // 3. From there find the motion since the keyframe that explains this picture.
+  remember_windows(interval);
+  const PlaneAlignment alignment = interval.spoiled ? PlaneAlignment{} : align();
+  const double flow_ms = watch.lap_ms();
+  // 4. Is it to be trusted?
+  const Verdict verdict = interval.spoiled ? *interval.spoiled : judge(alignment);
+  // 5. Chain it to the keyframe, level both by the plane's normal and filter; or stay as predicted.
+  if (verdict == Verdict::ok) {
+    track_.accept(alignment, readings, frame.stamp);
+  } else {
+    track_.coast(readings, frame.stamp);
+  }
+  // 6. A new keyframe where the old one is nearly out of sight, or does not align any more.
+  const bool new_keyframe =
+      verdict == Verdict::ok ? is_used_up(alignment) : is_given_up(verdict, interval);
+  if (new_keyframe) take_keyframe();
+  NavigationEstimate out = answer(frame, verdict);
+  out.new_keyframe = new_keyframe;
+  out.quality = quality_of(alignment);
+  out.stage_ms = {pyramid_ms, flow_ms, 0, watch.lap_ms()};
+  return out;
+}
+
+NavigationEstimate KeyframeNavigator::start(const Frame& frame, const SensorReadings& readings) {
+  track_.start(readings, frame.stamp);
+  // nothing aligns to a bare picture: let the next one do
+  failures_ = is_bare(coarse(current_)) ? config_.keyframes.give_up_after : 0;
+  take_keyframe();
+  NavigationEstimate out = answer(frame, Verdict::first_frame);
+  out.new_keyframe = true;
+  return out;
+}
+
+PlaneAlignment KeyframeNavigator::align() {
+  PlaneAlignment alignment = align_at_speed(track_.filter());
+  if (config_.readout_s > 0 && aligned_++ < kFramesToLearnSpeed) {
+    // the rows' times matter once the speed is known: align again with the speed just seen
+    alignment = align_at_speed(track_.filter_after(alignment));
+  }
+  return alignment;
+}
+
+PlaneAlignment KeyframeNavigator::align_at_speed(const MotionFilter& speed) {
+  const PoseEstimate& keyframe = track_.keyframe();
+  const PlaneMotion guess = motion_between(keyframe.world_from_camera, track_.filter().pose());
+  const double height_m = keyframe.world_from_camera.translation.z();
+  const Twist& then =
+      aligned_ <= kFramesToLearnSpeed ? speed.twist_in_camera() : track_.keyframe_twist();
+  const RollingShutter shutter{config_.readout_s, in_heights(then, height_m),
+                               in_heights(speed.twist_in_camera(), height_m)};
+  return aligner_.align(keyframe_, current_, guess,
+                        tilt_prior(keyframe, guess.translation.norm(), config_.levelling), shutter);
+}
+
+Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {
+  const TrustConfig& trust = config_.trust;
+  if (!alignment.solvable || alignment.windows < trust.min_windows) {
+    return Verdict::too_little_texture;
+  }
+  if (alignment.ground_ratio < trust.min_ground_ratio) return Verdict::horizon;
+  constexpr double kSunk = 0.1;
+  const bool follows = alignment.correlation >= trust.min_correlation &&
+                       alignment.last_update_px < trust.max_last_update_px &&
+                       alignment.covariance.allFinite() && height_ratio(alignment.motion) > kSunk;
+  if (!follows) {
+    return is_bare(coarse(current_)) ? Verdict::too_little_texture : Verdict::lost;
+  }
+  if (!(alignment.condition < trust.max_condition)) return Verdict::ill_conditioned;
+  if (alignment.inlier_ratio < trust.min_inlier_ratio) return Verdict::too_few_inliers;
+  return Verdict::ok;
+}
+
+// Before the next alignment: where the keyframe's windows are in the frame before.
+void KeyframeNavigator::remember_windows(const FrameInterval& interval) {
+  has_windows_ = !interval.spoiled;
+  const TileGrid& grid = aligner_.grid();
+  if (keyframe_is_previous_) {
+    previous_x_px_ = grid.centre_x_px;
+    previous_y_px_ = grid.centre_y_px;
+  } else {
+    previous_x_px_ = aligner_.placement().x_px;
+    previous_y_px_ = aligner_.placement().y_px;
+  }
+  keyframe_is_previous_ = false;
+}
+
+std::vector<WindowFlow> KeyframeNavigator::windows() const {
+  std::vector<WindowFlow> out;
+  if (!has_windows_) return out;
+  const TilePlacement& now = aligner_.placement();
+  const std::vector<float>& weights = aligner_.weights();
+  for (std::size_t i = 0; i < std::min(weights.size(), previous_x_px_.size()); ++i) {
+    const Eigen::Vector2f at(now.x_px[i], now.y_px[i]);
+    const Eigen::Vector2f before(previous_x_px_[i], previous_y_px_[i]);
+    if (at.minCoeff() < 0 || before.minCoeff() < 0) continue;  // padding, or out of sight
+    out.push_back({at, at - before, weights[i]});
+  }
+  return out;
+}
+
+bool KeyframeNavigator::is_used_up(const PlaneAlignment& alignment) {
+  const KeyframeConfig& keyframes = config_.keyframes;
+  failures_ = 0;
+  windows_at_keyframe_ = std::max(windows_at_keyframe_, alignment.windows);
+  return !keyframes.enabled ||
+         alignment.mean_flow_px > keyframes.renew_at_flow_ratio * camera_.width_px ||
+         alignment.windows < keyframes.renew_at_overlap * windows_at_keyframe_;
+}
+
+bool KeyframeNavigator::is_given_up(Verdict verdict, const FrameInterval& interval) {
+  if (verdict == Verdict::frozen || (verdict == Verdict::time_gap && !interval.is_late)) {
+    return false;
+  }
+  ++failures_;
+  const bool patience_ends = interval.is_late || failures_ >= config_.keyframes.give_up_after;
+  return patience_ends && !is_bare(coarse(current_));
+}
+
+void KeyframeNavigator::take_keyframe() {
+  track_.take_keyframe();
+  std::swap(keyframe_, current_);
+  keyframe_is_previous_ = true;
+  windows_at_keyframe_ = 0;
+}
+
+NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict) const {
+  const PoseEstimate& camera = track_.camera();
+  NavigationEstimate out;
+  out.stamp = frame.stamp;
+  out.frame_index = frame.index;
+  out.verdict = verdict;
+  out.world_from_body = camera.world_from_camera * body_from_camera_.inverse();
+  out.pose_covariance = camera.covariance;
+  out.twist_in_camera = track_.filter().mean_twist_in_camera();
+  out.twist_covariance = track_.filter().twist_covariance();
+  out.velocity_in_world_m_s = camera.world_from_camera.rotation * out.twist_in_camera.velocity_m_s;
+  out.scale = track_.scale();
+  if (out.scale != ScaleSource::none) {
+    out.scale_age_s = seconds_between(track_.scale_stamp(), frame.stamp);
+  }
+  return out;
+}
+
+}  // namespace stillkite

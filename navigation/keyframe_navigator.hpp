@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "estimation/plane_alignment.hpp"
+#include "flow/pyramid.hpp"
+#include "navigation/frame_interval.hpp"
+#include "navigation/navigation_estimate.hpp"
+#include "navigation/pose_track.hpp"
+#include "navigation/window_flow.hpp"
+
+namespace stillkite {
+
+/// The recommended mode: every picture is aligned to a keyframe (DESIGN section 3).
+class KeyframeNavigator {
+ public:
+  KeyframeNavigator(const Camera& camera, const RigidTransform& body_from_camera,
+                    const NavigatorConfig& config, const InitialState& initial);
+
+  NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
+                          const SensorReadings& readings);
+
+  /// Of the last frame; empty where nothing was aligned.
+  [[nodiscard]] std::vector<WindowFlow> windows() const;
+
+ private:
+  NavigationEstimate start(const Frame& frame, const SensorReadings& readings);
+  [[nodiscard]] PlaneAlignment align();
+  [[nodiscard]] PlaneAlignment align_at_speed(const MotionFilter& speed);
+  void remember_windows(const FrameInterval& interval);
+  [[nodiscard]] Verdict judge(const PlaneAlignment& alignment) const;
+  [[nodiscard]] bool is_used_up(const PlaneAlignment& alignment);
+  [[nodiscard]] bool is_given_up(Verdict verdict, const FrameInterval& interval);
+  void take_keyframe();
+  [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
+
+  Camera camera_;
+  RigidTransform body_from_camera_;
+  NavigatorConfig config_;
+  PlaneAligner aligner_;
+  PoseTrack track_;
+  Pyramid current_, keyframe_;
+  int windows_at_keyframe_ = 0;
+  int aligned_ = 0;                                   // frames, until the speed is known
+  int failures_ = 0;                                  // frames in a row that did not align
+  std::vector<float> previous_x_px_, previous_y_px_;  // the windows in the frame before
+  bool keyframe_is_previous_ = false;
+  bool has_windows_ = false;
+};
+
+}  // namespace stillkite

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "estimation/twist.hpp"
+#include "estimation/verdict.hpp"
+#include "geometry/rigid_transform.hpp"
+#include "geometry/time.hpp"
+
+namespace stillkite {
+
+/// How well the windows of one frame agreed.
+struct FlowQuality {
+  int windows = 0;          ///< windows that carried information
+  double inlier_ratio = 0;  ///< of them, the share that the one motion explains
+  double mean_flow_px = 0;  ///< mean length of the flow from the previous frame
+  double residual_px = 0;   ///< robust standard deviation of flow minus motion
+  double condition = 0;     ///< of the least squares' scaled normal matrix, >= 1
+};
+
+enum class Stage { pyramid, flow, solve, filter };
+inline constexpr int kStageCount = 4;
+
+template <>
+struct EnumNames<Stage> {
+  static constexpr auto value =
+      std::to_array<std::pair<Stage, std::string_view>>({{Stage::pyramid, "pyramid"},
+                                                         {Stage::flow, "flow"},
+                                                         {Stage::solve, "solve"},
+                                                         {Stage::filter, "filter"}});
+};
+
+/// What one frame tells: the state at its stamp. Without any height (`scale` is none) every metre
+/// below is one initial height over the ground.
+struct NavigationEstimate {
+  Timestamp stamp;
+  std::int64_t frame_index = 0;
+  Verdict verdict = Verdict::first_frame;
+
+  RigidTransform world_from_body;
+  Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in world
+
+  Twist twist_in_camera;                         ///< filtered
+  Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)
+  std::optional<Twist> measured_twist;           ///< this frame's least squares, before the filter
+  Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
+
+  ScaleSource scale = ScaleSource::none;
+  double scale_age_s = 0;  ///< since the last reading of that source
+  bool new_keyframe = false;
+  FlowQuality quality;
+  std::array<double, kStageCount> stage_ms{};  ///< by Stage
+};
+
+}  // namespace stillkite

@@ -1,0 +1,71 @@
+#include "navigation/navigator.hpp"
+
+#include <fmt/format.h>
+
+#include <variant>
+
+#include "navigation/frame_interval.hpp"
+#include "navigation/keyframe_navigator.hpp"
+#include "navigation/paper_navigator.hpp"
+
+namespace stillkite {
+namespace {
+
+using Method = std::variant<KeyframeNavigator, PaperNavigator>;
+
+Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
+                   const NavigatorConfig& config, const InitialState& initial, Mode mode) {
+  const double height_m = (initial.world_from_body * body_from_camera).translation.z();
+  if (!(height_m > 0)) {
+    throw InputError(fmt::format(
+        "navigator: the camera starts at the height {:.4g}; it must be over the ground, z > 0",
+        height_m));
+  }
+  if (!(camera.width_px > 0 && camera.height_px > 0 && camera.focal_x_px > 0 &&
+        camera.focal_y_px > 0)) {
+    throw InputError("navigator: the camera's size and focal lengths must be positive");
+  }
+  if (mode == Mode::paper) return PaperNavigator(camera, body_from_camera, config, initial);
+  return KeyframeNavigator(camera, body_from_camera, config, initial);
+}
+
+void check_picture(const Frame& frame, const Camera& camera) {
+  const cv::Mat& grey = frame.grey;
+  if (grey.type() == CV_8UC1 && grey.cols == camera.width_px && grey.rows == camera.height_px) {
+    return;
+  }
+  throw InputError(fmt::format(
+      "frame {}: {}x{} pixels, {} bytes each; the camera has {}x{} of one byte", frame.index,
+      grey.cols, grey.rows, grey.elemSize(), camera.width_px, camera.height_px));
+}
+
+}  // namespace
+
+struct Navigator::State {
+  Camera camera;
+  FrameClock clock;
+  Method method;
+};
+
+Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camera,
+                     const NavigatorConfig& config, const InitialState& initial, Mode mode)
+    : state_(std::make_unique<State>(
+          State{camera, FrameClock(config.trust.max_gap_s),
+                make_method(camera, body_from_camera, config, initial, mode)})) {}
+Navigator::~Navigator() = default;
+Navigator::Navigator(Navigator&&) noexcept = default;
+Navigator& Navigator::operator=(Navigator&&) noexcept = default;
+
+// A frame's journey is that of its method: PaperNavigator::step, or KeyframeNavigator::step.
+NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
+  check_picture(frame, state_->camera);
+  const FrameInterval interval = state_->clock.pass(frame);
+  return std::visit([&](auto& method) { return method.step(frame, interval, readings); },
+                    state_->method);
+}
+
+std::vector<WindowFlow> Navigator::windows() const {
+  return std::visit([](const auto& method) { return method.windows(); }, state_->method);
+}
+
+}  // namespace stillkite

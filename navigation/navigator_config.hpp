@@ -1,0 +1,104 @@
+#pragma once
+
+#include "estimation/keyframe_pose.hpp"
+#include "estimation/motion_filter.hpp"
+#include "estimation/plane_alignment.hpp"
+#include "geometry/fields.hpp"
+#include "navigation/paper_config.hpp"
+
+namespace stillkite {
+
+/// How the motion is found: as in the flow paper, or by what we recommend beyond it.
+enum class Mode { paper, recommended };
+template <>
+struct EnumNames<Mode> {
+  static constexpr auto value = std::to_array<std::pair<Mode, std::string_view>>(
+      {{Mode::paper, "paper"}, {Mode::recommended, "recommended"}});
+};
+
+struct KeyframeConfig {
+  bool enabled = true;
+  double renew_at_flow_ratio = 0.1;
+  double renew_at_overlap = 0.6;
+  int give_up_after = 5;
+
+  static void fields(auto& self, auto&& field) {
+    field("enabled", self.enabled, "align to a keyframe, not to the last frame");
+    field("renew_at_flow_ratio", self.renew_at_flow_ratio, kPositive,
+          "mean flow from the keyframe, in image widths, at which a new one is taken");
+    field("renew_at_overlap", self.renew_at_overlap, Range{0.1, 1.0},
+          "share of the keyframe's windows still in view below which a new one is taken");
+    field("give_up_after", self.give_up_after, Range{1, 1000},
+          "frames in a row that do not align to it, after which a new one is taken as predicted");
+  }
+};
+
+/// When an alignment is not to be trusted.
+struct TrustConfig {
+  int min_windows = 12;
+  double min_inlier_ratio = 0.4;
+  double min_correlation = 0.5;
+  double max_last_update_px = 1.0;
+  double max_condition = 1e7;
+  double min_ground_ratio = 0.1;
+  double max_gap_s = 1.0;
+
+  static void fields(auto& self, auto&& field) {
+    field("min_windows", self.min_windows, Range{1, 100000}, "windows with texture");
+    field("min_inlier_ratio", self.min_inlier_ratio, Range{0, 1}, "weight kept by those windows");
+    field("min_correlation", self.min_correlation, Range{-1, 1}, "of the aligned pictures");
+    field("max_last_update_px", self.max_last_update_px, kPositive,
+          "change of the windows' places in the last step, rms");
+    field("max_condition", self.max_condition, Range{.min = 1}, "of the scaled information");
+    field("min_ground_ratio", self.min_ground_ratio, Range{0, 1}, "windows below the horizon");
+    field("max_gap_s", self.max_gap_s, kPositive,
+          "without a measurement, longest to trust the last speed");
+  }
+};
+
+/// How well other sensors know what they say, where there are any.
+struct SensorConfig {
+  double gyro_sigma_rad_s = 0.005;
+  double height_sigma_m = 0.1;
+  double attitude_sigma_rad = 0.01;
+  double start_height_sigma_ratio = 0.05;
+
+  static void fields(auto& self, auto&& field) {
+    field("gyro_sigma_rad_s", self.gyro_sigma_rad_s, kPositive,
+          "of a mean angular rate, bias included");
+    field("height_sigma_m", self.height_sigma_m, kPositive, "of a height");
+    field("attitude_sigma_rad", self.attitude_sigma_rad, kPositive, "of a roll or pitch");
+    field("start_height_sigma_ratio", self.start_height_sigma_ratio, kPositive,
+          "of the height at the start, once a sensor measures it too");
+  }
+};
+
+/// Everything the flow navigator can be told. `readout_s` to `filter` are the recommended mode's,
+/// `paper` is the paper's.
+struct NavigatorConfig {
+  double readout_s = 0;
+  double initial_tilt_sigma_rad = 0.0175;
+  PlaneAlignmentConfig alignment;
+  KeyframeConfig keyframes;
+  LevellingConfig levelling;
+  MotionFilterConfig filter;
+  PaperConfig paper;
+  SensorConfig sensors;
+  TrustConfig trust;
+
+  static void fields(auto& self, auto&& field) {
+    field("readout_s", self.readout_s, Range{0, 0.1},
+          "time from the first row's exposure to the last row's; 0: global shutter");
+    field("initial_tilt_sigma_rad", self.initial_tilt_sigma_rad, Range{1e-6, 1},
+          "how well roll and pitch are known at the start, as a standard deviation");
+    field("alignment", self.alignment, "direct alignment of two pictures of the ground");
+    field("keyframes", self.keyframes, "what a picture is aligned to");
+    field("levelling", self.levelling, "roll and pitch from the ground's normal");
+    field("filter", self.filter, "Kalman filter of pose, velocity and angular rate");
+    field("paper", self.paper, "the flow paper's own steps, in its mode");
+    field("sensors", self.sensors, "other sensors' standard deviations");
+    field("trust", self.trust, "limits beyond which a frame's answer is not used");
+  }
+};
+
+}  // namespace stillkite

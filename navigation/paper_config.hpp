@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "estimation/kalman_filter.hpp"
+#include "estimation/least_squares_config.hpp"
+#include "flow/dense_lucas_kanade.hpp"
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+
+/// What measures the motion of every pixel: our dense Lucas-Kanade, or one of OpenCV's flows.
+enum class DenseFlowMethod { lucas_kanade, farneback, dis_ultrafast, dis_fast, dis_medium };
+
+template <>
+struct EnumNames<DenseFlowMethod> {
+  static constexpr auto value = std::to_array<std::pair<DenseFlowMethod, std::string_view>>(
+      {{DenseFlowMethod::lucas_kanade, "lucas_kanade"},
+       {DenseFlowMethod::farneback, "farneback"},
+       {DenseFlowMethod::dis_ultrafast, "dis_ultrafast"},
+       {DenseFlowMethod::dis_fast, "dis_fast"},
+       {DenseFlowMethod::dis_medium, "dis_medium"}});
+};
+
+struct DenseFlowConfig {
+  DenseFlowMethod method = DenseFlowMethod::lucas_kanade;
+  int stride_px = 8;
+  DenseLucasKanadeConfig lucas_kanade;
+
+  static void fields(auto& self, auto&& field) {
+    field("method", self.method, "what measures the motion of every pixel");
+    field("stride_px", self.stride_px, Range{1, 256}, "of the vectors that the least squares gets");
+    field("lucas_kanade", self.lucas_kanade, "the dense Lucas-Kanade");
+  }
+};
+
+/// Euler's steps of position and angles, as the paper; or the closed form of a constant twist.
+enum class Integration { euler, exact };
+
+template <>
+struct EnumNames<Integration> {
+  static constexpr auto value = std::to_array<std::pair<Integration, std::string_view>>(
+      {{Integration::euler, "euler"}, {Integration::exact, "exact"}});
+};
+
+/// The flow paper's procedure (section 4). The defaults are the paper's own (section 5.1).
+struct PaperConfig {
+  DenseFlowConfig flow;
+  LeastSquaresConfig least_squares{.weighting = Weighting::plain};
+  KalmanFilterConfig filter;
+  Integration integration = Integration::euler;
+
+  static void fields(auto& self, auto&& field) {
+    field("flow", self.flow, "step 2: dense optical flow");
+    field("least_squares", self.least_squares, "step 3: the six velocities");
+    field("filter", self.filter, "step 4: a Kalman filter an axis");
+    field("integration", self.integration, "step 5: from velocities to the pose");
+  }
+};
+
+}  // namespace stillkite

@@ -1,0 +1,140 @@
+#include "navigation/pose_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillkite {
+namespace {
+
+// A start that is exact still needs a covariance that can be inverted.
+constexpr double kExact = 1e-8;
+
+// At the start nothing is known of the speed: standard deviations in heights/s and rad/s.
+constexpr double kAnySpeed_heights_s = 2.0;
+constexpr double kAnyRate_rad_s = 2.0;
+
+// A prediction never leads further down than to this share of the keyframe's height.
+constexpr double kLowest = 0.1;
+
+}  // namespace
+
+PoseTrack::PoseTrack(const RigidTransform& body_from_camera, const NavigatorConfig& config,
+                     const InitialState& initial)
+    : body_from_camera_(body_from_camera), config_(config), filter_(config.filter) {
+  const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
+  keyframe_.pose.world_from_camera = initial.world_from_body * body_from_camera;
+  keyframe_.pose.covariance.diagonal() << kExact, kExact, kExact, tilt_variance, tilt_variance,
+      kExact;
+  keyframe_.scale = initial.scale;
+}
+
+void PoseTrack::start(const SensorReadings& readings, Timestamp now) {
+  keyframe_.scale_stamp = now;
+  const Eigen::Quaterniond& attitude = keyframe_.pose.world_from_camera.rotation;
+  keyframe_ = with_readings(keyframe_, of_camera(readings, body_from_camera_, attitude),
+                            config_.sensors, now);
+  camera_ = keyframe_.pose;
+  filter_.start(camera_.world_from_camera,
+                kAnySpeed_heights_s * camera_.world_from_camera.translation.z(), kAnyRate_rad_s);
+  take_keyframe();
+}
+
+void PoseTrack::predict(double dt_s, const SensorReadings& readings) {
+  const double max_gap_s = config_.trust.max_gap_s;
+  const double with_speed_s = std::clamp(max_gap_s - blind_s_, 0.0, dt_s);
+  if (with_speed_s > 0) filter_.predict(with_speed_s);
+  if (with_speed_s < dt_s) {
+    if (blind_s_ <= max_gap_s) forget_speed();
+    filter_.predict(dt_s - with_speed_s);
+  }
+  if (filter_.pose().translation.z() < kLowest * keyframe_.pose.world_from_camera.translation.z()) {
+    forget_speed();
+  }
+  if (readings.mean_angular_rate_in_body_rad_s) {
+    const Eigen::Vector3d rate =
+        body_from_camera_.rotation.conjugate() * *readings.mean_angular_rate_in_body_rad_s;
+    const double sigma = config_.sensors.gyro_sigma_rad_s;
+    filter_.update_rate(rate, sigma * sigma * Eigen::Matrix3d::Identity());
+  }
+  blind_s_ += dt_s;
+}
+
+// The camera stays where it is, as uncertain as if it had gone on.
+void PoseTrack::forget_speed() {
+  const Matrix6d known = filter_.twist_covariance();
+  const Twist twist = filter_.twist_in_camera();
+  beyond_filter_ += filter_.pose_covariance();
+  RigidTransform pose = filter_.pose();
+  const double lowest_m = kLowest * keyframe_.pose.world_from_camera.translation.z();
+  pose.translation.z() = std::max(pose.translation.z(), lowest_m);
+  filter_.start(pose, twist.velocity_m_s.norm() + std::sqrt(known.diagonal().head<3>().maxCoeff()),
+                twist.angular_rate_rad_s.norm() + std::sqrt(known.diagonal().tail<3>().maxCoeff()));
+}
+
+MotionFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
+  MotionFilter informed = filter_;
+  const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
+  informed.update(keyframe_.pose.world_from_camera * chained.keyframe_from_camera,
+                  chained.relative_covariance);
+  return informed;
+}
+
+void PoseTrack::accept(const PlaneAlignment& alignment, const SensorReadings& readings,
+                       Timestamp now) {
+  correct_keyframe(alignment, readings, now);
+  const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
+  const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
+  filter_.update(world_from_keyframe * chained.keyframe_from_camera, chained.relative_covariance);
+  camera_ = chained.camera;
+  level_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
+  beyond_filter_ = camera_.covariance - filter_.pose_covariance();
+  blind_s_ = 0;
+}
+
+// A reading at this frame says what it would have been at the keyframe: the alignment knows the
+// ratio of the heights and the turn.
+void PoseTrack::correct_keyframe(const PlaneAlignment& alignment, const SensorReadings& readings,
+                                 Timestamp now) {
+  if (!readings.height_m && !readings.attitude) return;
+  const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
+  const RigidTransform& camera = chained.camera.world_from_camera;
+  CameraReadings at_keyframe = of_camera(readings, body_from_camera_, camera.rotation);
+  if (at_keyframe.height_m) {
+    *at_keyframe.height_m *=
+        chained.keyframe.world_from_camera.translation.z() / camera.translation.z();
+  }
+  if (at_keyframe.attitude) {
+    at_keyframe.attitude =
+        *at_keyframe.attitude * chained.keyframe_from_camera.rotation.conjugate();
+  }
+  const ScaledPose corrected = with_readings(keyframe_, at_keyframe, config_.sensors, now);
+  // the filter's world follows
+  const RigidTransform& from = keyframe_.pose.world_from_camera;
+  const RigidTransform& to = corrected.pose.world_from_camera;
+  const double factor = to.translation.z() / from.translation.z();
+  filter_.stretch_world(factor);
+  filter_.transform_world(to * RigidTransform{from.rotation, factor * from.translation}.inverse());
+  keyframe_ = corrected;
+}
+
+void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
+  camera_ = {level_from_filter_ * filter_.pose(), beyond_filter_ + filter_.pose_covariance()};
+  if (keyframe_.scale == ScaleSource::none) return;  // no alignment to hand a scale back by
+  const ScaledPose corrected =
+      with_readings({camera_, keyframe_.scale, keyframe_.scale_stamp},
+                    of_camera(readings, body_from_camera_, camera_.world_from_camera.rotation),
+                    config_.sensors, now);
+  camera_ = corrected.pose;
+  if (corrected.scale == keyframe_.scale) keyframe_.scale_stamp = corrected.scale_stamp;
+}
+
+void PoseTrack::take_keyframe() {
+  // the world as the filter sees it becomes the levelled one
+  filter_.transform_world(camera_.world_from_camera * filter_.pose().inverse());
+  keyframe_.pose = camera_;
+  keyframe_twist_ = filter_.twist_in_camera();
+  level_from_filter_ = {};
+  beyond_filter_ = camera_.covariance - filter_.pose_covariance();
+}
+
+}  // namespace stillkite

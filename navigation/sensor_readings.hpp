@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "estimation/verdict.hpp"
+#include "geometry/rigid_transform.hpp"
+
+namespace stillkite {
+
+/// Where the flight starts. Without a height the answers are in heights (see NavigationEstimate).
+struct InitialState {
+  RigidTransform world_from_body;         ///< z is the body's height over the ground
+  ScaleSource scale = ScaleSource::none;  ///< what gave that height
+};
+
+/// Readings of other sensors for the interval that ends at a frame; each is optional.
+struct SensorReadings {
+  std::optional<Eigen::Vector3d> mean_angular_rate_in_body_rad_s;  ///< gyro, mean since last frame
+  std::optional<double> height_m;                                  ///< of the body over the ground
+  ScaleSource height_source = ScaleSource::range;                  ///< what measured that height
+  std::optional<Eigen::Quaterniond> attitude;                      ///< world_from_body
+  std::optional<Vector6d> acceleration;  ///< a(t) of the flow paper, eq. (3): linear in the world
+                                         ///< (m/s^2), then angular in the body (rad/s^2)
+};
+
+}  // namespace stillkite
