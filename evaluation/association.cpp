@@ -1,0 +1,78 @@
+#include "evaluation/association.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace stillkite {
+namespace {
+
+template <typename Stamped>
+auto first_not_before(std::span<const Stamped> samples, Timestamp stamp) {
+  return std::lower_bound(samples.begin(), samples.end(), stamp,
+                          [](const Stamped& sample, Timestamp t) { return sample.stamp < t; });
+}
+
+double distance_s(Timestamp a, Timestamp b) {
+  return std::abs(seconds_between(a, b));
+}
+
+}  // namespace
+
+std::optional<RigidTransform> pose_at(std::span<const StampedPose> poses, Timestamp stamp,
+                                      double tolerance_s) {
+  const auto after = first_not_before(poses, stamp);
+  const bool has_after = after != poses.end();
+  const bool has_before = after != poses.begin();
+  const bool near_after = has_after && distance_s(after->stamp, stamp) <= tolerance_s;
+  const bool near_before = has_before && distance_s(std::prev(after)->stamp, stamp) <= tolerance_s;
+  if (!near_after && !near_before) return std::nullopt;
+  if (!has_after) return std::prev(after)->world_from_body;
+  if (!has_before || after->stamp == stamp) return after->world_from_body;
+  const StampedPose& before = *std::prev(after);
+  const double ratio =
+      seconds_between(before.stamp, stamp) / seconds_between(before.stamp, after->stamp);
+  return interpolate(before.world_from_body, after->world_from_body, ratio);
+}
+
+std::optional<Twist> twist_at(std::span<const StampedTwist> twists, Timestamp stamp,
+                              double tolerance_s) {
+  auto nearest = first_not_before(twists, stamp);
+  if (nearest != twists.begin() &&
+      (nearest == twists.end() ||
+       distance_s(std::prev(nearest)->stamp, stamp) < distance_s(nearest->stamp, stamp))) {
+    --nearest;
+  }
+  if (nearest == twists.end() || distance_s(nearest->stamp, stamp) > tolerance_s) {
+    return std::nullopt;
+  }
+  return nearest->twist;
+}
+
+std::vector<PosePair> associate(std::span<const StampedPose> estimates,
+                                std::span<const StampedPose> truth, double tolerance_s) {
+  std::vector<PosePair> pairs;
+  pairs.reserve(estimates.size());
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const auto pose = pose_at(truth, estimates[i].stamp, tolerance_s);
+    if (!pose) continue;
+    pairs.push_back({.index = i,
+                     .stamp = estimates[i].stamp,
+                     .estimate = estimates[i].world_from_body,
+                     .truth = *pose});
+  }
+  return pairs;
+}
+
+Twist mean_twist(const RigidTransform& world_from_camera_before,
+                 const RigidTransform& world_from_camera_after, double dt_s) {
+  const Eigen::Vector3d rotation =
+      so3_log(world_from_camera_before.rotation.conjugate() * world_from_camera_after.rotation);
+  const Eigen::Quaterniond half_way = world_from_camera_before.rotation * so3_exp(0.5 * rotation);
+  const Eigen::Vector3d chord =
+      world_from_camera_after.translation - world_from_camera_before.translation;
+  return {.velocity_m_s = half_way.conjugate() * chord / dt_s,
+          .angular_rate_rad_s = rotation / dt_s};
+}
+
+}  // namespace stillkite

@@ -1,0 +1,171 @@
+#include "evaluation/evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace stillkite {
+namespace {
+
+/// The camera's motion at one estimate, as estimated and true.
+struct TwistPair {
+  Twist estimate;
+  Twist truth;
+  const MotionEstimate* source;
+};
+
+Twist difference(const PosePair& before, const PosePair& after, RigidTransform PosePair::*pose,
+                 const RigidTransform& body_from_camera) {
+  return mean_twist(before.*pose * body_from_camera, after.*pose * body_from_camera,
+                    seconds_between(before.stamp, after.stamp));
+}
+
+/// Where estimate and truth both know the motion. Where the truth has velocities of its own, an
+/// estimate needs no true pose to be judged.
+std::vector<TwistPair> twist_pairs(std::span<const MotionEstimate> estimates,
+                                   std::span<const PosePair> pairs, const Truth& truth,
+                                   const EvaluationOptions& options, double scale) {
+  std::vector<const PosePair*> pair_of(estimates.size(), nullptr);
+  for (const PosePair& pair : pairs) pair_of[pair.index] = &pair;
+
+  std::vector<TwistPair> result;
+  for (std::size_t i = 1; i < estimates.size(); ++i) {
+    const PosePair* before = pair_of[i - 1];
+    const PosePair* after = pair_of[i];
+    const auto from_poses = [&](RigidTransform PosePair::*pose) -> std::optional<Twist> {
+      if (!before || !after) return std::nullopt;
+      return difference(*before, *after, pose, options.body_from_camera);
+    };
+    std::optional<Twist> estimate = estimates[i].twist_in_camera;
+    if (estimate) {
+      estimate->velocity_m_s *= scale;
+    } else {
+      estimate = from_poses(&PosePair::estimate);
+    }
+    const std::optional<Twist> expected =
+        truth.twists_in_camera.empty()
+            ? from_poses(&PosePair::truth)
+            : twist_at(truth.twists_in_camera, estimates[i].stamp, options.tolerance_s);
+    if (estimate && expected) result.push_back({*estimate, *expected, &estimates[i]});
+  }
+  return result;
+}
+
+std::optional<VectorError> twist_error(std::span<const TwistPair> pairs,
+                                       Eigen::Vector3d Twist::*part) {
+  std::vector<Eigen::Vector3d> estimate;
+  std::vector<Eigen::Vector3d> truth;
+  for (const TwistPair& pair : pairs) {
+    estimate.push_back(pair.estimate.*part);
+    truth.push_back(pair.truth.*part);
+  }
+  return vector_error(estimate, truth);
+}
+
+std::optional<Consistency> twist_consistency(std::span<const TwistPair> pairs,
+                                             Eigen::Vector3d Twist::*part, Eigen::Index offset) {
+  std::vector<double> samples;
+  for (const TwistPair& pair : pairs) {
+    const std::optional<Matrix6d>& P = pair.source->twist_covariance;
+    if (!P) continue;
+    const Eigen::Matrix3d block = P->block<3, 3>(offset, offset);
+    const auto value = nees(pair.estimate.*part - pair.truth.*part, block);
+    if (value) samples.push_back(*value);
+  }
+  return consistency(samples, 3);
+}
+
+struct PoseNees {
+  std::vector<double> position, attitude;
+};
+
+PoseNees pose_nees(std::span<const MotionEstimate> estimates, std::span<const PosePair> pairs) {
+  PoseNees samples;
+  for (const PosePair& pair : pairs) {
+    const auto& P = estimates[pair.index].pose_covariance;
+    if (!P) continue;
+    const auto position =
+        nees(pair.estimate.translation - pair.truth.translation, P->topLeftCorner<3, 3>());
+    const auto attitude = nees(so3_log(pair.estimate.rotation * pair.truth.rotation.conjugate()),
+                               P->bottomRightCorner<3, 3>());
+    if (position) samples.position.push_back(*position);
+    if (attitude) samples.attitude.push_back(*attitude);
+  }
+  return samples;
+}
+
+std::optional<double> drift_percent(const TrajectoryError& error, double path_length_m) {
+  if (!(path_length_m > 0)) return std::nullopt;
+  return 100 * std::hypot(error.end_error_horizontal_m, error.end_error_vertical_m) / path_length_m;
+}
+
+}  // namespace
+
+std::vector<MotionEstimate> motion_estimates(std::span<const NavigationEstimate> estimates) {
+  std::vector<MotionEstimate> result;
+  result.reserve(estimates.size());
+  for (const NavigationEstimate& estimate : estimates) {
+    MotionEstimate motion{.stamp = estimate.stamp,
+                          .world_from_body = estimate.world_from_body,
+                          .pose_covariance = estimate.pose_covariance};
+    if (estimate.verdict != Verdict::first_frame) {
+      motion.twist_in_camera = estimate.twist_in_camera;
+      motion.twist_covariance = estimate.twist_covariance;
+    }
+    result.push_back(motion);
+  }
+  return result;
+}
+
+std::vector<MotionEstimate> motion_estimates(std::span<const StampedPose> poses) {
+  std::vector<MotionEstimate> result;
+  result.reserve(poses.size());
+  for (const StampedPose& pose : poses) {
+    result.push_back({.stamp = pose.stamp, .world_from_body = pose.world_from_body});
+  }
+  return result;
+}
+
+Evaluation evaluate(std::span<const MotionEstimate> estimates, const Truth& truth,
+                    const EvaluationOptions& options) {
+  std::vector<StampedPose> poses;
+  poses.reserve(estimates.size());
+  std::transform(estimates.begin(), estimates.end(), std::back_inserter(poses),
+                 [](const MotionEstimate& e) {
+                   return StampedPose{e.stamp, e.world_from_body};
+                 });
+
+  // 1. The stamps that both know.
+  const std::vector<PosePair> raw = associate(poses, truth.poses, options.tolerance_s);
+  Evaluation result{.matched = static_cast<int>(raw.size()), .path_length_m = path_length_m(raw)};
+
+  // 2. Poses, once the estimate lies on the truth.
+  result.alignment = best_alignment(raw, options.alignment);
+  const std::vector<PosePair> pairs = aligned(raw, result.alignment.value_or(Similarity{}));
+  if (result.alignment) {
+    result.trajectory = trajectory_error(pairs);
+    result.drift_percent = drift_percent(*result.trajectory, result.path_length_m);
+    result.per_frame = relative_error_over_frames(pairs, 1);
+    if (result.path_length_m > 0) {
+      result.per_tenth = relative_error_over_distance(pairs, result.path_length_m / 10);
+    }
+  }
+
+  // 3. Velocities and rates, which need no alignment but the scale's.
+  const double scale = result.alignment.value_or(Similarity{}).scale;
+  const std::vector<TwistPair> twists = twist_pairs(estimates, pairs, truth, options, scale);
+  result.velocity = twist_error(twists, &Twist::velocity_m_s);
+  result.angular_rate = twist_error(twists, &Twist::angular_rate_rad_s);
+
+  // 4. Whether the covariances were honest; those of the pose are about errors without alignment.
+  if (options.alignment == Alignment::none) {
+    const PoseNees samples = pose_nees(estimates, pairs);
+    result.nees.position = consistency(samples.position, 3);
+    result.nees.attitude = consistency(samples.attitude, 3);
+  }
+  result.nees.velocity = twist_consistency(twists, &Twist::velocity_m_s, 0);
+  result.nees.angular_rate = twist_consistency(twists, &Twist::angular_rate_rad_s, 3);
+  return result;
+}
+
+}  // namespace stillkite

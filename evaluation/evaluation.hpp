@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "estimation/twist.hpp"
+#include "evaluation/alignment.hpp"
+#include "evaluation/association.hpp"
+#include "evaluation/consistency.hpp"
+#include "evaluation/trajectory_error.hpp"
+#include "evaluation/vector_error.hpp"
+#include "navigation/navigation_estimate.hpp"
+
+namespace stillkite {
+
+/// What an estimator says about one moment, as far as it says it.
+struct MotionEstimate {
+  Timestamp stamp;
+  RigidTransform world_from_body;
+  std::optional<Twist> twist_in_camera;      ///< else the difference of neighbouring poses
+  std::optional<Matrix6d> pose_covariance;   ///< (translation, rotation vector), both in world
+  std::optional<Matrix6d> twist_covariance;  ///< (velocity, angular rate), in the camera
+};
+
+/// All of a run's frames; the first one's twist is left out, nothing was measured yet.
+[[nodiscard]] std::vector<MotionEstimate> motion_estimates(
+    std::span<const NavigationEstimate> estimates);
+
+/// Poses alone, as a trajectory file has them.
+[[nodiscard]] std::vector<MotionEstimate> motion_estimates(std::span<const StampedPose> poses);
+
+struct EvaluationOptions {
+  double tolerance_s = 0.01;  ///< between an estimate and the nearest truth
+  Alignment alignment = Alignment::none;
+  RigidTransform body_from_camera;
+};
+
+/// An estimate's errors. Nothing stands where nothing is known.
+struct Evaluation {
+  int matched = 0;
+  double path_length_m = 0;             ///< of the truth, through the matched stamps
+  std::optional<Similarity> alignment;  ///< nothing: it is not determined, no pose errors then
+  std::optional<TrajectoryError> trajectory;
+  std::optional<double> drift_percent;      ///< 100 x 3-D end error / path length
+  std::optional<RelativeError> per_frame;   ///< relative error from one matched frame to the next
+  std::optional<RelativeError> per_tenth;   ///< over a tenth of the path
+  std::optional<VectorError> velocity;      ///< m/s, in the camera
+  std::optional<VectorError> angular_rate;  ///< rad/s, in the camera
+  struct {
+    std::optional<Consistency> position, attitude, velocity, angular_rate;
+  } nees;
+};
+
+/// Velocities are compared half way between a frame and the one before it: with
+/// `truth.twists_in_camera` where it has any, else with the difference of the true poses.
+[[nodiscard]] Evaluation evaluate(std::span<const MotionEstimate> estimates, const Truth& truth,
+                                  const EvaluationOptions& options = {});
+
+}  // namespace stillkite

@@ -1,0 +1,98 @@
+#include "evaluation/trajectory_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "geometry/euler.hpp"
+
+namespace stillkite {
+namespace {
+
+/// Angle of the twist about the world's z in swing * twist = rotation.
+double twist_about_vertical_rad(const Eigen::Quaterniond& rotation) {
+  return wrap_angle_rad(2 * std::atan2(rotation.z(), rotation.w()));
+}
+
+/// True path length at every pair, m.
+std::vector<double> arc_lengths_m(std::span<const PosePair> pairs) {
+  std::vector<double> lengths(pairs.size(), 0.0);
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    lengths[i] =
+        lengths[i - 1] + (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm();
+  }
+  return lengths;
+}
+
+std::optional<RelativeError> relative_error(
+    std::span<const PosePair> pairs, std::span<const std::pair<std::size_t, std::size_t>> steps) {
+  if (steps.empty()) return std::nullopt;
+  const std::vector<double> arc_m = arc_lengths_m(pairs);
+  RelativeError result{.count = static_cast<int>(steps.size())};
+  const double n = static_cast<double>(steps.size());
+  for (const auto& [from, to] : steps) {
+    const RigidTransform truth = pairs[from].truth.inverse() * pairs[to].truth;
+    const RigidTransform estimate = pairs[from].estimate.inverse() * pairs[to].estimate;
+    const RigidTransform error = truth.inverse() * estimate;
+    const double angle_rad = so3_log(error.rotation).norm();
+    result.translation_rmse_m += error.translation.squaredNorm() / n;
+    result.rotation_rmse_rad += angle_rad * angle_rad / n;
+    result.mean_length_m += (arc_m[to] - arc_m[from]) / n;
+  }
+  result.translation_rmse_m = std::sqrt(result.translation_rmse_m);
+  result.rotation_rmse_rad = std::sqrt(result.rotation_rmse_rad);
+  return result;
+}
+
+}  // namespace
+
+std::optional<TrajectoryError> trajectory_error(std::span<const PosePair> pairs) {
+  if (pairs.empty()) return std::nullopt;
+  TrajectoryError result;
+  const double n = static_cast<double>(pairs.size());
+  for (const PosePair& pair : pairs) {
+    const double distance_m = (pair.estimate.translation - pair.truth.translation).norm();
+    const Eigen::Quaterniond error = pair.estimate.rotation * pair.truth.rotation.conjugate();
+    const double tilt = tilt_rad(error);
+    const double yaw = twist_about_vertical_rad(error);
+    result.position_rmse_m += distance_m * distance_m / n;
+    result.position_max_m = std::max(result.position_max_m, distance_m);
+    result.tilt_rmse_rad += tilt * tilt / n;
+    result.yaw_rmse_rad += yaw * yaw / n;
+  }
+  result.position_rmse_m = std::sqrt(result.position_rmse_m);
+  result.tilt_rmse_rad = std::sqrt(result.tilt_rmse_rad);
+  result.yaw_rmse_rad = std::sqrt(result.yaw_rmse_rad);
+  const Eigen::Vector3d end = pairs.back().estimate.translation - pairs.back().truth.translation;
+  result.end_error_horizontal_m = end.head<2>().norm();
+  result.end_error_vertical_m = std::abs(end.z());
+  return result;
+}
+
+double path_length_m(std::span<const PosePair> pairs) {
+  return pairs.empty() ? 0.0 : arc_lengths_m(pairs).back();
+}
+
+std::optional<RelativeError> relative_error_over_frames(std::span<const PosePair> pairs,
+                                                        int frames) {
+  std::vector<std::pair<std::size_t, std::size_t>> steps;
+  const auto step = static_cast<std::size_t>(frames);
+  for (std::size_t i = 0; i + step < pairs.size(); ++i) steps.emplace_back(i, i + step);
+  return relative_error(pairs, steps);
+}
+
+std::optional<RelativeError> relative_error_over_distance(std::span<const PosePair> pairs,
+                                                          double distance_m) {
+  const std::vector<double> arc_m = arc_lengths_m(pairs);
+  std::vector<std::pair<std::size_t, std::size_t>> steps;
+  for (std::size_t i = 0; i < arc_m.size(); ++i) {
+    const auto end = std::lower_bound(arc_m.begin() + static_cast<std::ptrdiff_t>(i), arc_m.end(),
+                                      arc_m[i] + distance_m);
+    if (end == arc_m.end()) break;
+    steps.emplace_back(i, static_cast<std::size_t>(end - arc_m.begin()));
+  }
+  return relative_error(pairs, steps);
+}
+
+}  // namespace stillkite

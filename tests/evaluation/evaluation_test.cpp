@@ -1,0 +1,140 @@
+#include "evaluation/evaluation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace stillkite {
+namespace {
+
+constexpr int kFrames = 101;
+
+/// 100 m along x in 10 s, a metre a frame, with a camera that looks straight down.
+Truth straight_flight() {
+  Truth truth;
+  for (int i = 0; i < kFrames; ++i) {
+    truth.poses.push_back(
+        {.stamp = from_seconds(0.1 * i), .world_from_body = {.translation = {1.0 * i, 0, 10}}});
+  }
+  return truth;
+}
+
+const RigidTransform kNadir{.rotation = Eigen::Quaterniond(0, 1, 0, 0)};
+
+TEST(Evaluate, of_the_truth_is_without_error) {
+  const Truth truth = straight_flight();
+  const Evaluation result = evaluate(motion_estimates(truth.poses), truth);
+  EXPECT_EQ(result.matched, kFrames);
+  EXPECT_NEAR(result.path_length_m, 100, 1e-9);
+  EXPECT_EQ(result.trajectory->position_rmse_m, 0);
+  EXPECT_EQ(*result.drift_percent, 0);
+  EXPECT_EQ(result.velocity->samples, kFrames - 1);
+  EXPECT_EQ(result.velocity->rmse.norm(), 0);
+  EXPECT_FALSE(result.velocity->correlation[1]);
+  EXPECT_FALSE(result.nees.position);
+}
+
+TEST(Evaluate, gives_the_drift_as_a_share_of_the_path) {
+  const Truth truth = straight_flight();
+  std::vector<StampedPose> poses = truth.poses;
+  for (StampedPose& pose : poses) {
+    pose.world_from_body.translation.y() += 0.003 * pose.world_from_body.translation.x();
+    pose.world_from_body.translation.z() += 0.004 * pose.world_from_body.translation.x();
+  }
+  const Evaluation result = evaluate(motion_estimates(poses), truth);
+  EXPECT_NEAR(*result.drift_percent, 0.5, 1e-9);
+  EXPECT_NEAR(result.trajectory->end_error_horizontal_m, 0.3, 1e-9);
+  EXPECT_NEAR(result.trajectory->end_error_vertical_m, 0.4, 1e-9);
+  EXPECT_NEAR(result.velocity->rmse.y(), 0.03, 1e-9);
+  EXPECT_NEAR(result.per_tenth->translation_rmse_m, 0.05, 1e-9);
+}
+
+// Down-looking camera: x stays, y and z turn round. Estimated 0.2 m/s too fast along x.
+TEST(Evaluate, compares_velocities_in_the_camera) {
+  const Truth truth = straight_flight();
+  std::vector<MotionEstimate> estimates = motion_estimates(truth.poses);
+  for (MotionEstimate& estimate : estimates) {
+    estimate.twist_in_camera = Twist{.velocity_m_s = {10.2, 0, 0}};
+  }
+  const Evaluation result = evaluate(estimates, truth, {.body_from_camera = kNadir});
+  EXPECT_NEAR(result.velocity->rmse.x(), 0.2, 1e-9);
+  EXPECT_NEAR(result.velocity->median_abs.x(), 0.2, 1e-9);
+  EXPECT_NEAR(result.velocity->rmse.y(), 0, 1e-9);
+  EXPECT_NEAR(result.angular_rate->rmse.norm(), 0, 1e-9);
+}
+
+TEST(Evaluate, prefers_the_truth_s_own_velocities) {
+  Truth truth = straight_flight();
+  std::vector<MotionEstimate> estimates = motion_estimates(truth.poses);
+  for (std::size_t i = 1; i < truth.poses.size(); ++i) {
+    const double v = std::sin(0.3 * static_cast<double>(i));
+    truth.twists_in_camera.push_back({truth.poses[i].stamp, {.velocity_m_s = {v, 0, 0}}});
+    estimates[i].twist_in_camera = Twist{.velocity_m_s = {2 * v + 1, 0, 0}};
+  }
+  const Evaluation result = evaluate(estimates, truth);
+  EXPECT_EQ(result.velocity->samples, kFrames - 1);
+  EXPECT_NEAR(*result.velocity->correlation[0], 1, 1e-9);
+}
+
+TEST(Evaluate, does_not_difference_across_a_gap) {
+  Truth truth = straight_flight();
+  const auto estimates = motion_estimates(truth.poses);
+  truth.poses.erase(truth.poses.begin() + 50);
+  const Evaluation result = evaluate(estimates, truth);
+  EXPECT_EQ(result.matched, kFrames - 1);
+  EXPECT_EQ(result.velocity->samples, kFrames - 3);
+}
+
+TEST(Evaluate, tells_whether_covariances_are_honest) {
+  const Truth truth = straight_flight();
+  std::vector<MotionEstimate> estimates = motion_estimates(truth.poses);
+  for (MotionEstimate& estimate : estimates) {
+    estimate.world_from_body.translation += Eigen::Vector3d(0.1, 0.1, 0.1);
+    estimate.world_from_body.rotation = so3_exp({0, 0, 0.02});
+    estimate.pose_covariance = 0.01 * Matrix6d::Identity();
+    estimate.twist_in_camera = Twist{.velocity_m_s = {10.0, 0.2, 0}};
+    estimate.twist_covariance = 0.01 * Matrix6d::Identity();
+  }
+  const Evaluation result = evaluate(estimates, truth);
+  EXPECT_NEAR(result.nees.position->mean, 3, 1e-9);
+  EXPECT_NEAR(result.nees.attitude->mean, 0.04, 1e-9);
+  EXPECT_NEAR(result.nees.velocity->mean, 4, 1e-9);
+  EXPECT_NEAR(result.nees.angular_rate->mean, 0, 1e-9);
+}
+
+TEST(Evaluate, scales_velocities_with_sim3) {
+  Truth truth;
+  std::vector<MotionEstimate> estimates;
+  for (int i = 0; i < 60; ++i) {
+    const double s = 0.1 * i;
+    const RigidTransform pose{.translation = {std::cos(s), std::sin(s), 2 + 0.1 * s}};
+    truth.poses.push_back({from_seconds(s), pose});
+    RigidTransform small = pose;
+    small.translation *= 0.5;
+    estimates.push_back({.stamp = from_seconds(s), .world_from_body = small});
+  }
+  const Evaluation result = evaluate(estimates, truth, {.alignment = Alignment::sim3});
+  EXPECT_NEAR(result.alignment->scale, 2, 1e-9);
+  EXPECT_NEAR(result.trajectory->position_rmse_m, 0, 1e-9);
+  EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
+}
+
+TEST(Evaluate, without_common_stamps_knows_nothing) {
+  const Evaluation result = evaluate(motion_estimates(straight_flight().poses), {});
+  EXPECT_EQ(result.matched, 0);
+  EXPECT_FALSE(result.alignment);
+  EXPECT_FALSE(result.trajectory);
+  EXPECT_FALSE(result.drift_percent);
+  EXPECT_FALSE(result.velocity);
+}
+
+TEST(MotionEstimates, leave_out_the_first_frame_s_velocity) {
+  const std::vector<NavigationEstimate> estimates{{.verdict = Verdict::first_frame},
+                                                  {.verdict = Verdict::frozen}};
+  const auto motions = motion_estimates(estimates);
+  EXPECT_FALSE(motions[0].twist_in_camera);
+  EXPECT_TRUE(motions[1].twist_in_camera);
+}
+
+}  // namespace
+}  // namespace stillkite
