@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "geometry/rigid_transform.hpp"
+
+namespace stillkite {
+
+/// Value and first two time derivatives.
+struct Jet {
+  double value = 0;
+  double rate = 0;
+  double acceleration = 0;
+};
+
+/// offset + slope t + sum of amplitude sin(frequency t + phase): smooth, with exact derivatives.
+struct Signal {
+  struct Sine {
+    double amplitude = 0;
+    double frequency_rad_s = 0;
+    double phase_rad = 0;
+  };
+  double offset = 0;
+  double slope = 0;
+  std::vector<Sine> sines{};
+
+  [[nodiscard]] Jet at(double t_s) const;
+};
+
+struct MotionState {
+  RigidTransform world_from_body;
+  Eigen::Vector3d velocity_in_world_m_s;
+  Eigen::Vector3d acceleration_in_world_m_s2;
+  Eigen::Vector3d angular_rate_in_body_rad_s;
+};
+
+/// An analytic flight: exact pose, velocity, acceleration and angular rate at any time.
+/// Attitude as in geometry/euler.hpp: ZYX, positive pitch is nose down.
+struct Trajectory {
+  Signal x_m;
+  Signal y_m;
+  Signal z_m;
+  Signal yaw_rad;
+  Signal pitch_rad;
+  Signal roll_rad;
+
+  [[nodiscard]] MotionState at(double t_s) const;
+};
+
+}  // namespace stillkite

@@ -1,0 +1,230 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "rendered_flight.hpp"
+
+namespace stillkite {
+namespace {
+
+using test::rendered_flight;
+
+constexpr std::size_t kFirstBad = 15;
+constexpr std::size_t kFirstGood = 24;
+
+bool is_finite(const NavigationEstimate& e) {
+  return e.world_from_body.translation.allFinite() &&
+         e.world_from_body.rotation.coeffs().allFinite() && e.pose_covariance.allFinite() &&
+         e.twist_in_camera.vector().allFinite() && e.twist_covariance.allFinite() &&
+         e.velocity_in_world_m_s.allFinite() && std::isfinite(e.quality.mean_flow_px) &&
+         std::isfinite(e.quality.residual_px) && std::isfinite(e.quality.condition) &&
+         std::isfinite(e.quality.inlier_ratio) && std::isfinite(e.scale_age_s);
+}
+
+// Mahalanobis distance of the position, squared: 3 degrees of freedom.
+double position_nees(const NavigationEstimate& e, const RigidTransform& truth) {
+  const Eigen::Vector3d error = e.world_from_body.translation - truth.translation;
+  const Eigen::Matrix3d P = e.pose_covariance.topLeftCorner<3, 3>();
+  return error.dot(P.ldlt().solve(error));
+}
+
+struct Fault {
+  const char* name;
+  std::function<cv::Mat(const cv::Mat&)> spoil;
+  bool pairs_may_align = false;  // two such pictures show their motion to each other
+  bool may_align = false;        // a new keyframe among them does
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) {
+  *out << fault.name;
+}
+
+const Fault kFaults[] = {
+    {"black", [](const cv::Mat& p) { return cv::Mat(p.size(), CV_8UC1, cv::Scalar(0)); }},
+    {"white", [](const cv::Mat& p) { return cv::Mat(p.size(), CV_8UC1, cv::Scalar(255)); }},
+    {"sky",
+     [](const cv::Mat& p) {
+       cv::Mat grey(p.size(), CV_8UC1);
+       cv::randn(grey, 200, 2);
+       return grey;
+     }},
+    {"blurred",
+     [](const cv::Mat& p) {
+       cv::Mat grey;
+       cv::GaussianBlur(p, grey, {}, 40);
+       return grey;
+     },
+     true},
+    {"over_exposed",
+     [](const cv::Mat& p) {
+       cv::Mat grey;
+       p.convertTo(grey, CV_8U, 20, 100);
+       return grey;
+     }},
+    {"another_place",
+     [](const cv::Mat& p) {
+       cv::Mat grey;
+       cv::flip(p, grey, -1);
+       return grey;
+     },
+     true, true},
+};
+
+class BadFrames : public testing::TestWithParam<std::tuple<Mode, Fault>> {};
+
+TEST_P(BadFrames, GetAVerdictAndAGrowingCovarianceAndThenItGoesOn) {
+  const auto& [mode, fault] = GetParam();
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator({}, mode);
+  double variance = 0;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    Frame frame = flight.frames[i];
+    const bool bad = i >= kFirstBad && i < kFirstGood;
+    if (bad) frame.grey = fault.spoil(frame.grey);
+    const NavigationEstimate e = navigator.step(frame);
+    ASSERT_TRUE(is_finite(e)) << i;
+    const double now = e.pose_covariance.topLeftCorner<3, 3>().trace();
+    if (e.verdict != Verdict::ok) {
+      EXPECT_GT(now, variance) << i;
+    }
+    if (bad && !fault.may_align && !(fault.pairs_may_align && mode == Mode::paper)) {
+      EXPECT_NE(e.verdict, Verdict::ok) << i;
+    }
+    if (i >= kFirstGood + (fault.may_align ? 6 : 2)) {
+      EXPECT_EQ(e.verdict, Verdict::ok) << i;
+    }
+    variance = now;
+    if (mode == Mode::recommended && i >= 10 && !fault.may_align) {
+      EXPECT_LT(position_nees(e, flight.truth(i)), 25) << i;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Navigator, BadFrames,
+                         testing::Combine(testing::Values(Mode::paper, Mode::recommended),
+                                          testing::ValuesIn(kFaults)),
+                         [](const auto& test) {
+                           return std::string(name_of(std::get<0>(test.param))) + "_" +
+                                  std::get<1>(test.param).name;
+                         });
+
+class BadTimes : public testing::TestWithParam<Mode> {};
+
+TEST_P(BadTimes, FrozenPictureMeasuresNothing) {
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator({}, GetParam());
+  double variance = 0;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    Frame frame = flight.frames[i];
+    const bool frozen = i >= kFirstBad && i < kFirstGood;
+    if (frozen) frame.grey = flight.frames[kFirstBad - 1].grey.clone();
+    const NavigationEstimate e = navigator.step(frame);
+    const double now = e.pose_covariance.topLeftCorner<3, 3>().trace();
+    if (frozen) {
+      EXPECT_EQ(e.verdict, Verdict::frozen);
+      EXPECT_GT(now, variance);
+      EXPECT_GT(e.velocity_in_world_m_s.norm(), 2);  // it flies on
+    }
+    variance = now;
+  }
+}
+
+TEST_P(BadTimes, StampThatGoesBackIsNoTime) {
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator({}, GetParam());
+  for (std::size_t i = 0; i < kFirstBad; ++i) (void)navigator.step(flight.frames[i]);
+  Frame old = flight.frames[kFirstBad];
+  old.stamp = flight.frames[3].stamp;
+  EXPECT_EQ(navigator.step(old).verdict, Verdict::time_gap);
+  const NavigationEstimate e = navigator.step(flight.frames[kFirstBad + 1]);
+  EXPECT_TRUE(is_finite(e));
+  EXPECT_EQ(e.verdict, Verdict::ok);
+}
+
+TEST_P(BadTimes, NothingIsIntegratedAcrossALongGap) {
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator({}, GetParam());
+  NavigationEstimate before;
+  for (std::size_t i = 0; i < kFirstBad; ++i) before = navigator.step(flight.frames[i]);
+  constexpr std::int64_t kHour_ns = 3600'000'000'000;
+  for (std::size_t i = kFirstBad; i < flight.frames.size(); ++i) {
+    Frame late = flight.frames[i];
+    late.stamp.ns += kHour_ns;
+    const NavigationEstimate e = navigator.step(late);
+    ASSERT_TRUE(is_finite(e));
+    EXPECT_EQ(e.verdict, i == kFirstBad ? Verdict::time_gap : Verdict::ok) << i;
+    const Eigen::Vector3d way = e.world_from_body.translation - before.world_from_body.translation;
+    EXPECT_LT(way.norm(), 25);
+    EXPECT_GT(e.pose_covariance(0, 0), 1e6);
+  }
+}
+
+TEST_P(BadTimes, PictureOfAnotherSizeIsAnInputError) {
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator({}, GetParam());
+  Frame small = flight.frames[0];
+  small.grey = small.grey(cv::Rect(0, 0, 320, 180)).clone();
+  EXPECT_THROW((void)navigator.step(small), InputError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Navigator, BadTimes, testing::Values(Mode::paper, Mode::recommended),
+                         [](const auto& mode) { return std::string(name_of(mode.param)); });
+
+TEST(BadFrame, BareFirstPictureIsReplacedByTheNext) {
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator();
+  Frame black = flight.frames[0];
+  black.grey = cv::Mat(black.grey.size(), CV_8UC1, cv::Scalar(0));
+  (void)navigator.step(black);
+  EXPECT_NE(navigator.step(flight.frames[1]).verdict, Verdict::ok);
+  for (std::size_t i = 2; i < 12; ++i) {
+    EXPECT_EQ(navigator.step(flight.frames[i]).verdict, Verdict::ok) << i;
+  }
+}
+
+TEST(BadFrame, StepOfExposureIsSurvived) {
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator();
+  NavigationEstimate e;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    Frame frame = flight.frames[i];
+    if (i >= 20) frame.grey = cv::Mat(0.7 * frame.grey);
+    e = navigator.step(frame);
+    if (i > 0) {
+      EXPECT_EQ(e.verdict, Verdict::ok) << i;
+    }
+  }
+  const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
+  EXPECT_LT((e.world_from_body.translation - truth.translation).norm(), 0.05);
+}
+
+// A drone over surf: there is no truth, but whatever the waves do, no number may break.
+TEST(BadFrame, MovingWaterBreaksNothing) {
+  const char* data = std::getenv("STILLKITE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "STILLKITE_DATA is not set";
+  const std::filesystem::path folder = std::filesystem::path(data) / "surf";
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".jpg") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  const Camera camera{1920, 1080, 1400, 1400, 959.5, 539.5};
+  const RigidTransform mount = rendered_flight().record.body_from_camera;
+  const InitialState start{{Eigen::Quaterniond::Identity(), {0, 0, 100}},
+                           ScaleSource::initial_height};
+  Navigator navigator(camera, mount, {}, start);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const NavigationEstimate e =
+        navigator.step({from_seconds(0.1 * static_cast<double>(i)), static_cast<std::int64_t>(i),
+                        cv::imread(files[i].string(), cv::IMREAD_GRAYSCALE)});
+    ASSERT_TRUE(is_finite(e));
+  }
+}
+
+}  // namespace
+}  // namespace stillkite

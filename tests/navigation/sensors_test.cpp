@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "rendered_flight.hpp"
+
+namespace stillkite {
+namespace {
+
+using test::rendered_flight;
+
+class Sensors : public testing::TestWithParam<Mode> {
+ protected:
+  [[nodiscard]] Navigator navigator(const InitialState& start) const {
+    const auto& flight = rendered_flight();
+    return {flight.record.camera, flight.record.body_from_camera, {}, start, GetParam()};
+  }
+};
+
+TEST_P(Sensors, HeightHealsAWrongStart) {
+  const auto& flight = rendered_flight();
+  InitialState wrong = flight.start();
+  wrong.world_from_body.translation.z() *= 1.05;
+  Navigator estimator = navigator(wrong);
+  NavigationEstimate e;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    SensorReadings readings;
+    const bool reads = i > 0 && i < 40;
+    if (reads) readings.height_m = flight.truth(i).translation.z();
+    e = estimator.step(flight.frames[i], readings);
+    EXPECT_EQ(e.scale, i == 0 ? ScaleSource::initial_height : ScaleSource::range);
+    const double age_s =
+        reads || i == 0 ? 0.0 : seconds_between(flight.frames[39].stamp, flight.frames[i].stamp);
+    EXPECT_NEAR(e.scale_age_s, age_s, 1e-9) << i;
+  }
+  const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
+  EXPECT_NEAR(e.world_from_body.translation.z(), truth.translation.z(), 0.1);
+  EXPECT_LT((e.world_from_body.translation - truth.translation).norm(), 0.4);
+  // the start of the twists is that of the second frame
+  const Twist& last = flight.record.twists_in_camera.back().twist;
+  EXPECT_LT((e.twist_in_camera.velocity_m_s - last.velocity_m_s).norm(),
+            GetParam() == Mode::paper ? 0.5 : 0.1);
+}
+
+TEST_P(Sensors, FirstHeightSetsTheScaleOfAFlightWithoutOne) {
+  const auto& flight = rendered_flight();
+  InitialState unscaled{flight.truth(0), ScaleSource::none};
+  unscaled.world_from_body.translation.z() = 1;
+  Navigator estimator = navigator(unscaled);
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    SensorReadings readings;
+    if (i == 25) {
+      readings.height_m = flight.truth(i).translation.z();
+      readings.height_source = ScaleSource::barometer;
+    }
+    const NavigationEstimate e = estimator.step(flight.frames[i], readings);
+    EXPECT_EQ(e.scale, i < 25 ? ScaleSource::none : ScaleSource::barometer);
+    const double unit_m = i < 25 ? flight.truth(0).translation.z() : 1.0;
+    EXPECT_LT((unit_m * e.world_from_body.translation - flight.truth(i).translation).norm(), 0.4)
+        << i;
+    const Twist& twist = flight.record.twists_in_camera[i == 0 ? 0 : i - 1].twist;
+    if (i > 10) {
+      EXPECT_LT((unit_m * e.twist_in_camera.velocity_m_s - twist.velocity_m_s).norm(), 0.6) << i;
+    }
+  }
+}
+
+TEST_P(Sensors, AttitudeHealsAWrongStart) {
+  const auto& flight = rendered_flight();
+  InitialState wrong = flight.start();
+  wrong.world_from_body.rotation = so3_exp({0.03, -0.02, 0}) * wrong.world_from_body.rotation;
+  Navigator estimator = navigator(wrong);
+  NavigationEstimate e;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    SensorReadings readings;
+    readings.attitude = flight.truth(i).rotation;
+    e = estimator.step(flight.frames[i], readings);
+  }
+  const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
+  EXPECT_LT(angle_between_rad(e.world_from_body.rotation, truth.rotation), 0.004);
+}
+
+// Ten black frames in which the drone would turn by 10 degrees, and a gyro that knows.
+TEST(Gyro, TurnsThePoseWhileNothingIsSeen) {
+  const auto& flight = rendered_flight();
+  Navigator estimator = flight.navigator();
+  NavigationEstimate e;
+  for (std::size_t i = 0; i < 20; ++i) e = estimator.step(flight.frames[i]);
+  const Eigen::Quaterniond before = e.world_from_body.rotation;
+  const Eigen::Vector3d rate(0, 0, 0.4363);
+  for (std::size_t i = 20; i < 30; ++i) {
+    Frame black = flight.frames[i];
+    black.grey = cv::Mat(black.grey.size(), CV_8UC1, cv::Scalar(static_cast<double>(i - 20)));
+    SensorReadings readings;
+    readings.mean_angular_rate_in_body_rad_s = rate;
+    e = estimator.step(black, readings);
+    EXPECT_NE(e.verdict, Verdict::ok);
+  }
+  EXPECT_LT(angle_between_rad(e.world_from_body.rotation, before * so3_exp(rate * 0.4)), 0.02);
+  EXPECT_LT(std::sqrt(e.pose_covariance(5, 5)), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Navigator, Sensors, testing::Values(Mode::paper, Mode::recommended),
+                         [](const auto& mode) { return std::string(name_of(mode.param)); });
+
+}  // namespace
+}  // namespace stillkite
