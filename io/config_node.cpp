@@ -1,0 +1,141 @@
+#include "io/config_node.hpp"
+
+#include <fmt/core.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+
+#include "geometry/fields.hpp"
+#include "io/text_file.hpp"
+
+namespace stillkite {
+namespace {
+
+// Aliases are expanded, and a few of them nested would grow without bound.
+constexpr int kMaxNodes = 100'000;
+constexpr int kMaxDepth = 32;
+
+class Converter {
+ public:
+  Converter(std::string origin, std::filesystem::path base_folder)
+      : origin_(std::move(origin)), base_folder_(std::move(base_folder)) {}
+
+  ConfigNode convert(const YAML::Node& from, YAML::Mark mark, int depth) {
+    ConfigNode to;
+    to.origin = origin_;
+    to.base_folder = base_folder_;
+    to.line = std::max(0, mark.line + 1);
+    to.column = std::max(0, mark.column + 1);
+    if (++nodes_ > kMaxNodes || depth > kMaxDepth) {
+      throw InputError(fmt::format("{}: more than {} values or {} levels; this is no configuration",
+                                   to.where(), kMaxNodes, kMaxDepth));
+    }
+    if (from.IsScalar()) {
+      to.text = from.Scalar();
+      to.quoted = from.Tag() == "!";
+      to.kind = ConfigNode::Kind::scalar;
+    } else if (from.IsSequence()) {
+      to.kind = ConfigNode::Kind::list;
+      for (const YAML::Node& item : from) to.items.push_back(convert(item, item.Mark(), depth + 1));
+    } else if (from.IsMap()) {
+      to.kind = ConfigNode::Kind::map;
+      for (const auto& entry : from) add_entry(to, entry.first, entry.second, depth);
+    }
+    return to;
+  }
+
+ private:
+  void add_entry(ConfigNode& map, const YAML::Node& key, const YAML::Node& value, int depth) {
+    ConfigNode node = convert(value, key.Mark(), depth + 1);
+    if (!key.IsScalar()) throw InputError(node.where() + ": a key must be one word");
+    if (map.find(key.Scalar()) != nullptr) {
+      throw InputError(
+          fmt::format("{}: key '{}' is given twice; keep one", node.where(), key.Scalar()));
+    }
+    map.entries.emplace_back(key.Scalar(), std::move(node));
+  }
+
+  std::string origin_;
+  std::filesystem::path base_folder_;
+  int nodes_ = 0;
+};
+
+// Of a map that may be changed or not.
+auto* find_in(auto& map, std::string_view key) {
+  const auto at = std::find_if(map.entries.begin(), map.entries.end(),
+                               [&](const auto& entry) { return entry.first == key; });
+  return at == map.entries.end() ? nullptr : &at->second;
+}
+
+ConfigNode parse_override_value(const std::string& text, const std::string& origin) {
+  const std::filesystem::path here = std::filesystem::current_path();
+  ConfigNode node;
+  if (text.starts_with('[') || text.starts_with('{')) {
+    node = parse_yaml(text, origin, here);
+  } else {
+    const bool null = text.empty() || text == "null" || text == "~";
+    node.kind = null ? ConfigNode::Kind::null : ConfigNode::Kind::scalar;
+    node.text = text;
+    node.origin = origin;
+    node.base_folder = here;
+  }
+  node.line = 0;
+  return node;
+}
+
+}  // namespace
+
+std::string ConfigNode::where() const {
+  return line > 0 ? fmt::format("{}:{}:{}", origin, line, column) : origin;
+}
+
+const ConfigNode* ConfigNode::find(std::string_view key) const {
+  return find_in(*this, key);
+}
+
+const ConfigNode* ConfigNode::find_path(std::string_view dotted) const {
+  const ConfigNode* node = this;
+  while (node != nullptr && !dotted.empty()) {
+    const std::size_t dot = dotted.find('.');
+    node = node->find(dotted.substr(0, dot));
+    dotted = dot == std::string_view::npos ? std::string_view() : dotted.substr(dot + 1);
+  }
+  return node;
+}
+
+ConfigNode parse_yaml(const std::string& text, const std::string& origin,
+                      const std::filesystem::path& base_folder) {
+  try {
+    const YAML::Node root = YAML::Load(text);
+    return Converter(origin, base_folder).convert(root, root.Mark(), 0);
+  } catch (const YAML::Exception& error) {
+    throw InputError(fmt::format("{}:{}:{}: not YAML: {}", origin, error.mark.line + 1,
+                                 error.mark.column + 1, error.msg));
+  }
+}
+
+ConfigNode read_yaml(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file);
+  return parse_yaml(text, file.string(), std::filesystem::absolute(file).parent_path());
+}
+
+void apply_override(ConfigNode& root, const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  const std::string origin = "--set " + assignment;
+  if (equals == 0 || equals == std::string::npos) {
+    throw InputError(origin + ": write it as key=value, for example source.start_s=2.5");
+  }
+  ConfigNode* at = &root;
+  std::string_view path(assignment.data(), equals);
+  while (!path.empty()) {
+    if (at->kind != ConfigNode::Kind::map) *at = {.kind = ConfigNode::Kind::map, .origin = origin};
+    const std::size_t dot = path.find('.');
+    const std::string key(path.substr(0, dot));
+    path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
+    if (find_in(*at, key) == nullptr) at->entries.emplace_back(key, ConfigNode{});
+    at = find_in(*at, key);
+  }
+  *at = parse_override_value(assignment.substr(equals + 1), origin);
+}
+
+}  // namespace stillkite

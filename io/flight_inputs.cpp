@@ -1,0 +1,195 @@
+#include "io/flight_inputs.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "geometry/euler.hpp"
+#include "io/calibration.hpp"
+#include "io/euroc_dataset.hpp"
+#include "io/trajectory_file.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+Calibration calibration_of(const CameraConfig& config) {
+  Camera camera{.width_px = config.width_px,
+                .height_px = config.height_px,
+                .focal_x_px = config.focal_x_px,
+                .focal_y_px = config.focal_y_px,
+                .centre_x_px = config.centre_x_px,
+                .centre_y_px = config.centre_y_px,
+                .distortion = config.distortion};
+  if (config.coefficients.size() > camera.coefficients.size()) {
+    throw InputError("calibration.camera.coefficients: at most 8 are known");
+  }
+  std::copy(config.coefficients.begin(), config.coefficients.end(), camera.coefficients.begin());
+  check_camera(camera, "calibration.camera");
+  return {.camera = camera};
+}
+
+Calibration find_calibration(const RunConfig& config, const std::optional<EurocDataset>& dataset,
+                             const cv::Size& size) {
+  if (config.calibration.path && config.calibration.camera) {
+    throw InputError("calibration.path and calibration.camera are both given; keep one");
+  }
+  std::string origin = "calibration.camera";
+  Calibration found;
+  if (config.calibration.camera) {
+    found = calibration_of(*config.calibration.camera);
+  } else if (config.calibration.path || (dataset && dataset->calibration)) {
+    const auto file = config.calibration.path ? *config.calibration.path : *dataset->calibration;
+    origin = file.string();
+    found = read_calibration(file);
+  } else {
+    throw InputError(config.source.path.string() +
+                     ": comes without a calibration; give calibration.path or calibration.camera");
+  }
+  if (found.camera.width_px != size.width || found.camera.height_px != size.height) {
+    throw InputError(fmt::format(
+        "{}: is a calibration for pictures of {}x{}, those of {} are {}x{}; give the one of this "
+        "resolution",
+        origin, found.camera.width_px, found.camera.height_px, config.source.path.string(),
+        size.width, size.height));
+  }
+  return found;
+}
+
+// The picture's right is the body's right at any tilt.
+Eigen::Quaterniond body_from_camera_looking_down(double down_deg) {
+  const double c = std::cos(down_deg * kRadPerDeg);
+  const double s = std::sin(down_deg * kRadPerDeg);
+  Eigen::Matrix3d R;
+  R.col(0) << 0, -1, 0;
+  R.col(1) << -s, 0, -c;
+  R.col(2) << c, 0, -s;
+  return Eigen::Quaterniond(R);
+}
+
+RigidTransform mount_of(const MountConfig& mount, const Calibration& calibration) {
+  const Eigen::Vector3d position = Eigen::Vector3d::Map(mount.position_m.data());
+  if (mount.rotation_wxyz) {
+    if (mount.down_deg) {
+      throw InputError("mount.down_deg and mount.rotation_wxyz are both given; keep one");
+    }
+    const auto& [w, x, y, z] = *mount.rotation_wxyz;
+    const Eigen::Quaterniond q(w, x, y, z);
+    if (!(std::abs(q.norm() - 1.0) < 0.01)) {
+      throw InputError(
+          fmt::format("mount.rotation_wxyz: its length is {:.4g}, it must be 1", q.norm()));
+    }
+    return {q.normalized(), position};
+  }
+  if (!mount.down_deg && calibration.body_from_camera) return *calibration.body_from_camera;
+  return {body_from_camera_looking_down(mount.down_deg.value_or(90.0)), position};
+}
+
+void read_truth(const RunConfig& config, const std::optional<EurocDataset>& dataset,
+                FlightInputs& inputs) {
+  std::optional<std::filesystem::path> file;
+  if (config.truth.path) {
+    file = find_trajectory(*config.truth.path);
+  } else if (dataset) {
+    file = dataset->truth;
+  }
+  if (!file) return;
+  inputs.truth = read_trajectory(*file);
+  if (dataset && dataset->camera_twists && file == dataset->truth) {
+    inputs.twists_in_camera = read_twists(*dataset->camera_twists);
+  }
+}
+
+SensorLog read_sensors(const RunConfig& config) {
+  SensorLog log;
+  if (config.gyro.path) log.angular_rate_in_body_rad_s = read_gyro(*config.gyro.path);
+  if (config.attitude.path) log.attitude = read_attitudes(*config.attitude.path);
+  if (config.acceleration.path) log.acceleration = read_accelerations(*config.acceleration.path);
+  if (config.height.path.has_value() != (config.height.source != HeightSource::none)) {
+    throw InputError("height.source and height.path belong together; give both or none");
+  }
+  if (config.height.path) log.height_m = read_heights(*config.height.path);
+  if (config.height.source == HeightSource::barometer) log.height_source = ScaleSource::barometer;
+  return log;
+}
+
+InitialState start_from_truth(const std::vector<StampedPose>& truth, Timestamp first) {
+  if (truth.empty()) {
+    throw InputError("initial.from_truth: there is no truth; give truth.path, or initial.height_m");
+  }
+  const double late_s = seconds_between(first, truth.front().stamp);
+  if (late_s > 0.1 || first > truth.back().stamp) {
+    throw InputError(fmt::format(
+        "initial.from_truth: the truth's stamps are {} s to {} s, the first frame's is {} s; "
+        "choose source.start_s within them",
+        to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first)));
+  }
+  std::size_t i = 0;
+  while (i + 1 < truth.size() && truth[i + 1].stamp <= first) ++i;
+  RigidTransform pose = truth[i].world_from_body;
+  if (i + 1 < truth.size() && first > truth[i].stamp) {
+    const double gap_s = seconds_between(truth[i].stamp, truth[i + 1].stamp);
+    pose = interpolate(pose, truth[i + 1].world_from_body,
+                       seconds_between(truth[i].stamp, first) / gap_s);
+  }
+  return {.world_from_body = pose, .scale = ScaleSource::initial_height};
+}
+
+InitialState start_of(const RunConfig& config, const FlightInputs& inputs, Timestamp first) {
+  if (config.initial.from_truth) return start_from_truth(inputs.truth, first);
+  const SensorReadings readings = readings_between(inputs.sensors, first, first);
+  InitialState start;
+  start.world_from_body.rotation =
+      readings.attitude.value_or(to_quaternion({.yaw_rad = config.initial.yaw_deg * kRadPerDeg,
+                                                .pitch_rad = config.initial.pitch_deg * kRadPerDeg,
+                                                .roll_rad = config.initial.roll_deg * kRadPerDeg}));
+  start.world_from_body.translation.z() = 1.0;
+  if (config.initial.height_m) {
+    start.world_from_body.translation.z() = *config.initial.height_m;
+    start.scale = ScaleSource::initial_height;
+  } else if (config.height.source == HeightSource::range && readings.height_m) {
+    start.world_from_body.translation.z() = *readings.height_m;
+    start.scale = ScaleSource::range;
+  }
+  return start;
+}
+
+// A barometer knows only how the height changes: its zero is moved to the start's height.
+void tie_barometer_to_start(const InitialState& initial, Timestamp first, SensorLog& sensors) {
+  if (initial.scale == ScaleSource::none) {
+    throw InputError("height.source: a barometer gives changes only; give initial.height_m too");
+  }
+  const std::optional<double> at_start = readings_between(sensors, first, first).height_m;
+  if (!at_start) {
+    throw InputError("height.path: the barometer has no reading at the first frame's stamp");
+  }
+  const double offset_m = initial.world_from_body.translation.z() - *at_start;
+  for (double& height_m : sensors.height_m.values) height_m += offset_m;
+}
+
+}  // namespace
+
+FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
+  const std::optional<EurocDataset> dataset = find_euroc_dataset(config.source.path);
+  const Calibration calibration = find_calibration(config, dataset, first.grey.size());
+  FlightInputs inputs{.camera = calibration.camera,
+                      .body_from_camera = mount_of(config.mount, calibration)};
+  read_truth(config, dataset, inputs);
+  inputs.sensors = read_sensors(config);
+  inputs.initial = start_of(config, inputs, first.stamp);
+  if (config.height.source == HeightSource::barometer) {
+    tie_barometer_to_start(inputs.initial, first.stamp, inputs.sensors);
+  }
+  const RigidTransform world_from_camera = inputs.initial.world_from_body * inputs.body_from_camera;
+  if (!(world_from_camera.translation.z() > 0)) {
+    throw InputError(fmt::format(
+        "the camera starts at the height {:.3f} m, it must be over the ground (z = 0): check {}",
+        world_from_camera.translation.z(),
+        config.initial.from_truth ? "the truth's z" : "initial.height_m and mount.position_m"));
+  }
+  return inputs;
+}
+
+}  // namespace stillkite

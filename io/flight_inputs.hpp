@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "flow/frame.hpp"
+#include "geometry/camera.hpp"
+#include "io/run_config.hpp"
+#include "io/sensor_log.hpp"
+#include "navigation/navigator.hpp"
+
+namespace stillkite {
+
+/// All that a run needs beside the pictures, read from the files that the configuration names.
+struct FlightInputs {
+  Camera camera;
+  RigidTransform body_from_camera;
+  InitialState initial;
+  SensorLog sensors;
+  std::vector<StampedPose> truth;              ///< empty: there is none
+  std::vector<StampedTwist> twists_in_camera;  ///< of the truth; may be empty
+};
+
+/// Throws InputError where a file is wrong, where the calibration is of another resolution than the
+/// first frame, where no calibration is found, and where the start is not determined.
+[[nodiscard]] FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first);
+
+}  // namespace stillkite

@@ -1,0 +1,192 @@
+#include "io/frame_source.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <thread>
+#include <variant>
+
+#include "io/bounded_queue.hpp"
+#include "io/euroc_dataset.hpp"
+#include "io/image_sequence.hpp"
+#include "io/picture_pool.hpp"
+#include "io/video_reader.hpp"
+
+namespace stillkite {
+namespace fs = std::filesystem;
+namespace {
+
+// Enough to hide the jitter of a decoder that works on several frames at once.
+constexpr std::size_t kDecodeAhead = 4;
+
+using Reader = std::variant<VideoReader, ImageSequence>;
+
+std::vector<StampedImage> images_between(std::vector<StampedImage> images,
+                                         const SourceConfig& config) {
+  const Timestamp first = images.front().stamp;
+  std::erase_if(images, [&](const StampedImage& image) {
+    const double t_s = seconds_between(first, image.stamp);
+    return t_s < config.start_s || (config.end_s && t_s > *config.end_s);
+  });
+  return images;
+}
+
+Reader open_reader(const SourceConfig& config) {
+  const fs::path& path = config.path;
+  if (path.empty()) {
+    throw InputError(
+        "source.path is not given; set it to a video, a EuRoC data set or a folder of "
+        "pictures");
+  }
+  if (config.end_s && *config.end_s <= config.start_s) {
+    throw InputError(fmt::format("source.end_s {} must be greater than source.start_s {}",
+                                 *config.end_s, config.start_s));
+  }
+  if (!fs::exists(path)) {
+    throw InputError(path.string() + ": no such file or folder; check source.path");
+  }
+  if (!fs::is_directory(path)) {
+    if (fs::is_regular_file(path) && fs::file_size(path) == 0) {
+      throw InputError(path.string() + ": the file is empty");
+    }
+    return VideoReader(path, config.start_s, config.rate_hz);
+  }
+  if (const auto dataset = find_euroc_dataset(path)) {
+    return ImageSequence(images_between(read_image_list(dataset->images_csv), config));
+  }
+  const bool has_rate = config.rate_hz.has_value();
+  std::vector<StampedImage> images = list_images(path, has_rate ? *config.rate_hz : 1.0);
+  if (!has_rate) {
+    throw InputError(path.string() +
+                     ": pictures without stamps; give their frames per second as "
+                     "source.rate_hz");
+  }
+  return ImageSequence(images_between(std::move(images), config));
+}
+
+std::optional<std::int64_t> expected_frames(const Reader& reader, const SourceConfig& config) {
+  if (const auto* images = std::get_if<ImageSequence>(&reader))
+    return static_cast<std::int64_t>(images->count());
+  const auto& video = std::get<VideoReader>(reader);
+  const std::optional<double> rate = video.frames_per_s();
+  std::optional<double> end_s = video.duration_s();
+  if (config.end_s && (!end_s || *config.end_s < *end_s)) end_s = config.end_s;
+  if (!rate || !end_s) return std::nullopt;
+  return std::max<std::int64_t>(0, std::llround((*end_s - config.start_s) * *rate));
+}
+
+}  // namespace
+
+struct FrameSource::State {
+  explicit State(const SourceConfig& source)
+      : config(source), reader(open_reader(source)), expected(expected_frames(reader, source)) {}
+  ~State() {
+    queue.close();
+    if (thread.joinable()) thread.join();
+  }
+
+  void decode_all();
+  std::optional<Frame> take();
+
+  SourceConfig config;
+  Reader reader;  // of the decoding thread until the queue is closed
+  std::optional<std::int64_t> expected;
+  BoundedQueue<ReadResult> queue{kDecodeAhead};
+  std::exception_ptr failure;  // these two are written before the queue is closed, read after
+  bool reader_ended = false;
+
+  std::optional<Frame> first;
+  bool first_is_taken = false;
+  std::optional<Timestamp> last_stamp;
+  std::int64_t read = 0;
+  std::int64_t rejected = 0;
+  bool at_end = false;
+  std::thread thread;  // last: it uses all of the above
+};
+
+void FrameSource::State::decode_all() {
+  const bool is_video = std::holds_alternative<VideoReader>(reader);
+  PicturePool pool;
+  try {
+    while (true) {
+      ReadResult result = std::visit([&](auto& from) { return from.read(pool.take()); }, reader);
+      if (result.status == ReadResult::Status::end) {
+        reader_ended = true;
+        break;
+      }
+      if (result.status == ReadResult::Status::frame) {
+        if (is_video && config.end_s && to_seconds(result.frame.stamp) > *config.end_s) break;
+        pool.keep(result.frame.grey);
+      }
+      if (!queue.push(std::move(result))) break;
+    }
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  queue.close();
+}
+
+std::optional<Frame> FrameSource::State::take() {
+  while (std::optional<ReadResult> result = queue.pop()) {
+    const std::int64_t index = read++;
+    const bool usable = result->status == ReadResult::Status::frame &&
+                        (!last_stamp || result->frame.stamp > *last_stamp);
+    if (!usable) {
+      ++rejected;
+      continue;
+    }
+    result->frame.index = index;
+    last_stamp = result->frame.stamp;
+    return std::move(result->frame);
+  }
+  at_end = true;
+  if (failure) std::rethrow_exception(std::exchange(failure, nullptr));
+  return std::nullopt;
+}
+
+FrameSource::FrameSource(const SourceConfig& config) : state_(std::make_unique<State>(config)) {
+  State& s = *state_;
+  s.thread = std::thread([&s] { s.decode_all(); });
+  s.first = s.take();
+  if (!s.first) {
+    const bool is_cut = config.start_s > 0 || config.end_s.has_value();
+    throw InputError(config.path.string() +
+                     (s.read == 0 && is_cut ? ": no picture between source.start_s and source.end_s"
+                                            : ": not one picture can be decoded; the file is "
+                                              "damaged"));
+  }
+}
+
+FrameSource::~FrameSource() = default;
+FrameSource::FrameSource(FrameSource&&) noexcept = default;
+FrameSource& FrameSource::operator=(FrameSource&&) noexcept = default;
+
+const Frame& FrameSource::first() const {
+  return *state_->first;
+}
+
+std::optional<Frame> FrameSource::next() {
+  if (std::exchange(state_->first_is_taken, true)) return state_->take();
+  return state_->first;
+}
+
+std::int64_t FrameSource::read() const {
+  return state_->read;
+}
+std::int64_t FrameSource::rejected() const {
+  return state_->rejected;
+}
+std::optional<std::int64_t> FrameSource::expected() const {
+  return state_->expected;
+}
+
+std::optional<std::string> FrameSource::complaint() const {
+  const auto* video = std::get_if<VideoReader>(&state_->reader);
+  // the decoding thread has let go of the reader only at the end
+  return state_->at_end && state_->reader_ended && video != nullptr ? video->truncation()
+                                                                    : std::nullopt;
+}
+
+}  // namespace stillkite

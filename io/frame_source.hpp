@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "flow/frame.hpp"
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+
+struct SourceConfig {
+  std::filesystem::path path;
+  double start_s = 0;
+  std::optional<double> end_s;
+  std::optional<double> rate_hz;
+
+  static void fields(auto& self, auto&& field) {
+    field("path", self.path, "a video, a EuRoC data set, or a folder of pictures");
+    field("start_s", self.start_s, kNotNegative, "leave out what is before, from the first frame");
+    field("end_s", self.end_s, kPositive, "leave out what is after");
+    field("rate_hz", self.rate_hz, kPositive,
+          "frames per second of pictures without stamps; replaces a video's own stamps");
+  }
+};
+
+/// Frames of a video, a data set or a folder, decoded ahead on a thread of its own. Memory does not
+/// grow with the number of frames as long as the user lets go of them.
+class FrameSource {
+ public:
+  /// Throws InputError if there is nothing to read, or not one picture that can be decoded.
+  explicit FrameSource(const SourceConfig& config);
+  ~FrameSource();
+  FrameSource(FrameSource&&) noexcept;
+  FrameSource& operator=(FrameSource&&) noexcept;
+
+  /// The first frame, which next() will give too.
+  [[nodiscard]] const Frame& first() const;
+
+  /// Frames in the order of their stamps. What cannot be decoded, and what does not come later than
+  /// the frame before, is skipped and counted. Nothing at the end. Throws InputError where the
+  /// source breaks its promises half way, such as another picture size.
+  [[nodiscard]] std::optional<Frame> next();
+
+  /// Pictures so far: handed out and skipped.
+  [[nodiscard]] std::int64_t read() const;
+  [[nodiscard]] std::int64_t rejected() const;
+
+  /// How many there should be in all, for progress.
+  [[nodiscard]] std::optional<std::int64_t> expected() const;
+
+  /// After the end: what was wrong with the source as a whole (a truncated file), if anything.
+  [[nodiscard]] std::optional<std::string> complaint() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace stillkite

@@ -1,0 +1,111 @@
+#include "io/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path part_of(const fs::path& file) {
+  return fs::path(file) += ".part";
+}
+
+[[noreturn]] void fail_to_write(const fs::path& file, int error) {
+  throw std::runtime_error(fmt::format("{}: cannot be written: {}{}", file.string(),
+                                       std::strerror(error),
+                                       error == ENOSPC ? "; free some space or choose another "
+                                                         "folder with --out"
+                                                       : ""));
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path file)
+    : file_(std::move(file)),
+      descriptor_(open(part_of(file_).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+  if (descriptor_ < 0) {
+    throw InputError(fmt::format("{}: cannot be created: {}; choose another folder with --out",
+                                 file_.string(), std::strerror(errno)));
+  }
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : file_(std::move(other.file_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      on_disk_(other.on_disk_),
+      waiting_(std::move(other.waiting_)) {}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ < 0) return;
+  close(descriptor_);
+  std::error_code ignored;
+  fs::remove(part_of(file_), ignored);
+}
+
+void OutputFile::write(std::string_view text) {
+  constexpr std::size_t kBlock = 1 << 14;
+  waiting_ += text;
+  if (waiting_.size() >= kBlock) flush();
+}
+
+void OutputFile::flush() {
+  const std::string block = std::exchange(waiting_, {});
+  std::size_t done = 0;
+  while (done < block.size()) {
+    const ssize_t n = ::write(descriptor_, block.data() + done, block.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      const int error = n < 0 ? errno : ENOSPC;
+      // back to the end of a whole text, so that what is there can be kept
+      if (ftruncate(descriptor_, on_disk_) != 0) on_disk_ = 0;
+      lseek(descriptor_, on_disk_, SEEK_SET);
+      fail_to_write(file_, error);
+    }
+    done += static_cast<std::size_t>(n);
+  }
+  on_disk_ += static_cast<std::int64_t>(block.size());
+}
+
+void OutputFile::commit() {
+  flush();
+  // the data must be on the disk before the name is, or a crash leaves an empty file
+  if (fsync(descriptor_) != 0) fail_to_write(file_, errno);
+  if (std::rename(part_of(file_).c_str(), file_.c_str()) != 0) fail_to_write(file_, errno);
+  close(std::exchange(descriptor_, -1));
+}
+
+void write_file(const fs::path& file, std::string_view text) {
+  OutputFile out(file);
+  out.write(text);
+  out.commit();
+}
+
+void prepare_output_folder(const fs::path& folder, std::uintmax_t bytes) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure || !fs::is_directory(folder)) {
+    throw InputError(
+        fmt::format("{}: cannot be made a folder: {}; choose another with --out", folder.string(),
+                    failure ? failure.message() : std::string("a file has that name")));
+  }
+  const OutputFile probe(folder / ".stillkite_probe");
+  const fs::space_info space = fs::space(folder, failure);
+  if (!failure && space.available < bytes) {
+    throw InputError(fmt::format(
+        "{}: the disk has {:.1f} MiB left, this needs {:.1f}; free some space or choose another "
+        "folder with --out",
+        folder.string(), static_cast<double>(space.available) / 1048576.0,
+        static_cast<double>(bytes) / 1048576.0));
+  }
+}
+
+}  // namespace stillkite

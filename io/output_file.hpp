@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace stillkite {
+
+/// A file that appears under its name whole or not at all: written beside it as NAME.part, renamed
+/// by commit(), removed if that is never called. Not being able to create it is an InputError, not
+/// being able to write on a std::runtime_error; both name the file and the reason.
+class OutputFile {
+ public:
+  explicit OutputFile(std::filesystem::path file);
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();
+
+  /// Appends. Where the disk is full the file ends after an earlier call's text, never within one,
+  /// and can still be committed.
+  void write(std::string_view text);
+  void commit();
+
+  [[nodiscard]] const std::filesystem::path& path() const { return file_; }
+
+ private:
+  void flush();
+
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+  std::int64_t on_disk_ = 0;  // bytes
+  std::string waiting_;
+};
+
+/// The text under that name, whole or not at all.
+void write_file(const std::filesystem::path& file, std::string_view text);
+
+/// Makes the folder and proves that files can be written there and that it has room for `bytes`.
+/// Throws InputError otherwise.
+void prepare_output_folder(const std::filesystem::path& folder, std::uintmax_t bytes);
+
+}  // namespace stillkite

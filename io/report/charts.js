@@ -1,0 +1,178 @@
+// Time charts that zoom and point together.
+
+const kAxisWidth = 46;
+const charts = [];
+let timeWindow = null;  // null: the whole flight
+let pointed = null;     // sample under the pointer
+const windowListeners = [];
+const pointListeners = [];
+
+const finite = value => Number.isNaN(value) ? null : value;
+
+// Lines: {label, column, color, width, band: column of standard deviations}. Without a column it is
+// zero, with its band about it. The band's edges are series of their own, so that a chart's range
+// takes them in; what is seen is the polygon between them, much faster than dygraphs' own.
+const middle = (line, i) => line.column ? columns[line.column][i] : 0;
+const reach = (line, i) => 3 * columns[line.band][i];
+const edges = line => line.band ? [`${line.label} low`, `${line.label} high`] : [];
+
+function rowsOf(lines) {
+  return Array.from(time, (t, i) => [t, ...lines.flatMap(line => {
+    const value = middle(line, i);
+    return line.band ? [value, value - reach(line, i), value + reach(line, i)].map(finite) : [finite(value)];
+  })]);
+}
+
+function seriesOf(lines) {
+  const unseen = {plotter: () => {}, highlightCircleSize: 0};
+  return Object.fromEntries(lines.flatMap(line => [
+    [line.label, {strokeWidth: line.width || 1.4}], ...edges(line).map(label => [label, unseen])]));
+}
+
+const colorsOf = lines => lines.flatMap(line => [color(line.color), ...edges(line).map(() => 'transparent')]);
+
+function drawBand(context, graph, line) {
+  const [from, to] = graph.xAxisRange();
+  const x = time.map(t => graph.toDomXCoord(t));
+  const flush = (start, end) => {
+    context.beginPath();
+    for (let i = start; i < end; ++i) context.lineTo(x[i], graph.toDomYCoord(middle(line, i) + reach(line, i)));
+    for (let i = end - 1; i >= start; --i) context.lineTo(x[i], graph.toDomYCoord(middle(line, i) - reach(line, i)));
+    context.fill();
+  };
+  context.fillStyle = color(`${line.color}_band`);
+  const first = Math.max(0, time.findIndex(t => t >= from) - 1);
+  let start = first;
+  for (let i = first; i < time.length; ++i) {
+    if (Number.isNaN(middle(line, i) + reach(line, i))) {
+      flush(start, i);
+      start = i + 1;
+    } else if (time[i] > to || i + 1 === time.length) {
+      flush(start, i + 1);
+      return;
+    }
+  }
+}
+
+// The lines of one chart that there is anything of.
+const isDrawn = name => columns[name] && columns[name].some(value => !Number.isNaN(value));
+const present = lines => lines.filter(line => isDrawn(line.column || line.band));
+
+function setWindow(range, source) {
+  timeWindow = range;
+  byId('reset').hidden = range === null;
+  for (const chart of charts) {
+    if (chart === source) continue;
+    chart.stale = true;
+    if (chart.visible) refresh(chart);
+  }
+  for (const listener of windowListeners) listener();
+}
+
+function refresh(chart) {
+  chart.stale = false;
+  chart.busy = true;
+  chart.graph.updateOptions({dateWindow: timeWindow, valueRange: chart.range});
+  chart.busy = false;
+}
+
+function setPoint(row, source) {
+  pointed = row;
+  for (const chart of charts) {
+    if (chart === source || !chart.visible) continue;
+    if (row === null) chart.graph.clearSelection(); else chart.graph.setSelection(row);
+  }
+  for (const listener of pointListeners) listener();
+}
+
+// One finger scrolls the page, two zoom the chart.
+const kTwoFingers = Object.fromEntries(['touchstart', 'touchmove', 'touchend'].map(kind => [kind,
+  (event, graph, context) => {
+    if (kind === 'touchend' || event.touches.length > 1) {
+      Dygraph.defaultInteractionModel[kind](event, graph, context);
+    }
+  }]));
+
+// Only the lowest chart of a card carries the time axis.
+function addChart(card, title, unit, lines, {height = 110, range = null, stacked = false, timeAxis = false} = {}) {
+  const drawn = present(lines);
+  if (!drawn.length) return;
+  const values = element('span', {className: 'readout'});
+  const plot = element('div', {className: 'plot'});
+  plot.style.height = `${height + (timeAxis ? 18 : 0)}px`;
+  card.append(element('div', {className: 'chart'}, element('div', {className: 'chart-head'},
+    element('span', {textContent: unit ? `${title}, ${unit}` : title}), values), plot));
+
+  const chart = {range, visible: true, stale: false, busy: true, lines: drawn};
+  const last = timeRange => Math.abs(timeRange[0] - time[0]) < 1e-6 && Math.abs(timeRange[1] - duration) < 1e-6;
+  const options = {
+    labels: ['time', ...drawn.flatMap(line => [line.label, ...edges(line)])],
+    colors: colorsOf(drawn),
+    series: seriesOf(drawn),
+    underlayCallback: (context, area, graph) => {
+      for (const line of drawn) if (line.band) drawBand(context, graph, line);
+    },
+    stackedGraph: stacked,
+    valueRange: range,
+    includeZero: stacked,
+    fillAlpha: 0.55,
+    legend: 'never',
+    gridLineColor: color('grid'),
+    axisLineColor: color('line'),
+    axisLabelFontSize: 11,
+    highlightCircleSize: 3,
+    dateWindow: timeWindow,
+    axes: {
+      x: {axisLabelFormatter: t => `${shown(t)} s`, pixelsPerLabel: 70, drawAxis: timeAxis},
+      y: {axisLabelWidth: kAxisWidth, pixelsPerLabel: 18, axisLabelFormatter: value => shown(value)}
+    },
+    interactionModel: {...Dygraph.defaultInteractionModel, ...kTwoFingers},
+    highlightCallback: (event, t, points, row) => setPoint(row, chart),
+    unhighlightCallback: () => setPoint(null, chart),
+    drawCallback: (graph, initial) => {
+      if (initial || chart.busy) return;
+      const shownRange = graph.xAxisRange();
+      setWindow(last(shownRange) ? null : shownRange, chart);
+    }
+  };
+  chart.graph = new Dygraph(plot, rowsOf(drawn), options);
+  chart.busy = false;
+  chart.readout = values;
+  plot.chart = chart;
+  charts.push(chart);
+}
+
+// Time and values under the pointer; the line drawn last, on top, comes first.
+function readout(chart) {
+  if (pointed === null) return [];
+  const values = chart.lines.filter(line => line.column).reverse().map(line => {
+    const value = element('i', {textContent: `${line.short || ''} ${shown(columns[line.column][pointed])}`});
+    value.style.color = color(line.color);
+    return value;
+  });
+  return [`${shown(time[pointed])} s`, ...values];
+}
+
+pointListeners.push(() => {
+  for (const chart of charts) chart.readout.replaceChildren(...readout(chart));
+});
+
+// Charts out of sight are drawn when they come into sight.
+function watchVisibility() {
+  const observer = new IntersectionObserver(entries => {
+    for (const entry of entries) {
+      const chart = entry.target.chart;
+      chart.visible = entry.isIntersecting;
+      if (chart.visible && chart.stale) refresh(chart);
+    }
+  }, {rootMargin: '200px'});
+  document.querySelectorAll('.plot').forEach(plot => observer.observe(plot));
+}
+
+function addKeys(card, keys) {
+  card.append(element('div', {className: 'keys'}, ...keys.map(([label, name, kind]) => {
+    const mark = element('i', {className: kind || ''});
+    mark.style[kind === 'band' || kind === 'point' ? 'background' : 'borderColor'] = `var(--${name})`;
+    return element('span', {className: 'key'}, mark, label);
+  })));
+}

@@ -1,0 +1,30 @@
+// What each frame's answer was worth, over time.
+
+function drawVerdicts() {
+  const {context, width, height} = fitCanvas(document.querySelector('.strip'), 26);
+  const [start, end] = timeWindow || [0, duration];
+  const left = kAxisWidth;
+  const scale = (width - left) / Math.max(end - start, 1e-9);
+  const edge = t => left + Math.min(Math.max((t - start) * scale, 0), width - left);
+  // What is good is drawn first, so that a single bad frame of a long flight still shows.
+  const ordered = [...data.verdicts].sort((a, b) => (a[0] !== 'ok') - (b[0] !== 'ok'));
+  for (const [verdict, from, to] of ordered) {
+    if (to < start || from > end) continue;
+    context.fillStyle = color(verdict) || color('time_gap');
+    context.fillRect(edge(from), 0, Math.max(edge(to) - edge(from), 1.5), height);
+  }
+}
+
+function drawVerdictCounts() {
+  const counts = summary.verdicts || {};
+  const total = Object.values(counts).reduce((sum, count) => sum + count, 0);
+  const items = Object.entries(counts).filter(([, count]) => count > 0).sort((a, b) => b[1] - a[1]);
+  document.querySelector('#verdicts .legend').append(...items.map(([verdict, count]) => {
+    const swatch = element('span', {className: 'swatch'});
+    swatch.style.background = `var(--${verdict}, var(--time_gap))`;
+    return element('li', {}, swatch, `${verdict.replaceAll('_', ' ')} `, element('b', {textContent: String(count)}),
+                   ` (${shown(100 * count / total, 2)} %)`);
+  }));
+}
+
+windowListeners.push(drawVerdicts);

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "io/report.hpp"
+
+namespace stillkite {
+
+/// Named columns, one value a frame; NaN where there is none. Names end in their unit.
+using ReportSeries = std::map<std::string, std::vector<float>>;
+
+/// What the charts of a report draw over time: time from the first frame, pose, velocity in the
+/// world, their standard deviations, flow quality, times; with truth also the truth and the errors
+/// (estimate minus truth). Angles are unwrapped along the flight.
+[[nodiscard]] ReportSeries report_series(const ReportContent& content);
+
+/// One verdict's stretch of frames, seconds from the first frame.
+struct VerdictStretch {
+  Verdict verdict;
+  double start_s;
+  double end_s;
+};
+[[nodiscard]] std::vector<VerdictStretch> verdict_stretches(
+    std::span<const NavigationEstimate> estimates);
+
+}  // namespace stillkite

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/camera_config.hpp"
+#include "io/frame_source.hpp"
+#include "io/start_config.hpp"
+#include "navigation/navigator_config.hpp"
+
+namespace stillkite {
+
+/// Which estimator's motion is the answer.
+enum class Policy { flow };
+template <>
+struct EnumNames<Policy> {
+  static constexpr auto value =
+      std::to_array<std::pair<Policy, std::string_view>>({{Policy::flow, "flow"}});
+};
+
+struct EstimatorConfig {
+  Policy policy = Policy::flow;
+  Mode mode = Mode::recommended;
+
+  static void fields(auto& self, auto&& field) {
+    field("policy", self.policy, "whose motion is the answer");
+    field("mode", self.mode, "the flow paper's own steps, or ours");
+  }
+};
+
+struct OutputConfig {
+  bool overlay = false;
+
+  static void fields(auto& self, auto&& field) {
+    field("overlay", self.overlay,
+          "overlay.mp4: what was seen and concluded, drawn over the frames");
+  }
+};
+
+/// All that `stillkite run` can be told.
+struct RunConfig {
+  SourceConfig source;
+  CalibrationConfig calibration;
+  MountConfig mount;
+  TruthConfig truth;
+  InitialConfig initial;
+  HeightConfig height;
+  LogConfig gyro;
+  LogConfig attitude;
+  LogConfig acceleration;
+  EstimatorConfig estimator;
+  NavigatorConfig navigator;
+  OutputConfig output;
+
+  static void fields(auto& self, auto&& field) {
+    field("source", self.source, "the pictures");
+    field("calibration", self.calibration, "the lens");
+    field("mount", self.mount, "the camera in the body");
+    field("truth", self.truth, "what the answer is compared with");
+    field("initial", self.initial, "where the flight starts");
+    field("height", self.height, "another sensor's height");
+    field("gyro", self.gyro, "angular rates of the body, rad/s: wx, wy, wz (EuRoC's imu0 too)");
+    field("attitude", self.attitude, "world from body: qw, qx, qy, qz");
+    field("acceleration", self.acceleration,
+          "a(t) of the flow paper: ax, ay, az in the world, m/s^2 [, angular in the body]");
+    field("estimator", self.estimator, "how the motion is found");
+    field("navigator", self.navigator, "the flow navigator");
+    field("output", self.output, "files beside the estimates");
+  }
+};
+
+/// The configuration of a file (none: the defaults) under the command line's key=value's.
+[[nodiscard]] RunConfig load_run_config(const std::optional<std::filesystem::path>& file,
+                                        const std::vector<std::string>& overrides);
+
+}  // namespace stillkite

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "estimation/verdict.hpp"
+#include "geometry/rigid_transform.hpp"
+#include "geometry/time.hpp"
+
+namespace stillkite {
+
+struct SensorReadings;
+
+/// Readings with ascending stamps of their own.
+template <typename Value>
+struct TimeSeries {
+  std::vector<Timestamp> stamps;
+  std::vector<Value> values;
+};
+
+/// What other sensors said during a flight; each may be empty.
+struct SensorLog {
+  TimeSeries<Eigen::Vector3d> angular_rate_in_body_rad_s;
+  TimeSeries<double> height_m;
+  ScaleSource height_source = ScaleSource::range;  ///< what measured it
+  TimeSeries<Eigen::Quaterniond> attitude;         ///< world_from_body
+  TimeSeries<Vector6d> acceleration;               ///< of SensorReadings
+};
+
+/// Neighbouring readings further apart than this are a gap, in which nothing is known.
+inline constexpr double kLongestGap_s = 0.5;
+
+/// Readings for the frame at `now`: height, attitude and acceleration interpolated at its stamp,
+/// the gyro's mean from `before` to `now` (the integral of the line through its readings). Nothing
+/// outside a log and in its gaps.
+[[nodiscard]] SensorReadings readings_between(const SensorLog& log, Timestamp before,
+                                              Timestamp now);
+
+// CSV with a stamp first; see TableReader for the rest and for the errors.
+[[nodiscard]] TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file);
+[[nodiscard]] TimeSeries<double> read_heights(const std::filesystem::path& file);
+[[nodiscard]] TimeSeries<Eigen::Quaterniond> read_attitudes(const std::filesystem::path& file);
+[[nodiscard]] TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file);
+
+}  // namespace stillkite

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "io/table_reader.hpp"
+
+namespace stillkite {
+
+/// Three neighbouring cells of the row.
+[[nodiscard]] Eigen::Vector3d vector_at(const TableReader& table, std::size_t column);
+
+/// Four cells of the row, w in its own column; throws InputError unless its length is 1.
+[[nodiscard]] Eigen::Quaterniond quaternion_at(const TableReader& table, std::size_t w,
+                                               std::size_t xyz);
+
+}  // namespace stillkite

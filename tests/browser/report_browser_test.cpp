@@ -1,0 +1,125 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <regex>
+
+#include "headless_browser.hpp"
+#include "synthetic_flight.hpp"
+#include "tests/io/temporary_folder.hpp"
+
+namespace stillkite {
+namespace {
+
+/// The attribute data-NAME of the page's root; nothing where the script never set it.
+std::optional<std::string> root_data(const std::string& dom, const std::string& name) {
+  std::smatch found;
+  const std::regex pattern("<html[^>]* data-" + name + "=\"([^\"]*)\"");
+  if (!std::regex_search(dom, found, pattern)) return std::nullopt;
+  return found[1];
+}
+
+int count(const std::string& text, const std::string& part) {
+  int n = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+class ReportInBrowser : public testing::Test {
+ protected:
+  void SetUp() override {
+    browser_ = find_browser();
+    if (!browser_) GTEST_SKIP() << "no chromium here";
+  }
+
+  std::string show(const std::string& html) {
+    const auto page = folder_.path() / "report.html";
+    std::ofstream(page) << html;
+    return rendered(*browser_, page, folder_.path());
+  }
+
+  std::optional<std::string> browser_;
+  TemporaryFolder folder_;
+};
+
+TEST_F(ReportInBrowser, draws_every_chart_of_a_flight_with_truth) {
+  const SyntheticFlight flight = synthetic_flight(3750);
+  const std::string dom =
+      show(report_html(flight.content("flight.mp4", true), synthetic_summary(flight)));
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ready"), "24");
+  // dygraphs lays two canvases over each other; the path and the verdicts have one each.
+  EXPECT_EQ(count(dom, "<canvas"), 24 * 2 + 2);
+  EXPECT_NE(dom.find("0.0324"), std::string::npos) << "the drift is a headline";
+  EXPECT_NE(dom.find("mode: recommended"), std::string::npos);
+}
+
+TEST_F(ReportInBrowser, does_without_truth) {
+  const SyntheticFlight flight = synthetic_flight(200);
+  nlohmann::json summary = synthetic_summary(flight);
+  summary.erase("evaluation");
+  const std::string dom = show(report_html(flight.content("flight.mp4", false), summary));
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ready"), "15");
+}
+
+TEST_F(ReportInBrowser, survives_nothing_at_all) {
+  const std::string dom = show(report_html({}, nlohmann::json::object()));
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ready"), "0");
+}
+
+TEST_F(ReportInBrowser, survives_hostile_text_and_numbers_that_are_none) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::string hostile = "</pre></script><script>document.title='owned'</script>{{data}}'\"&";
+  SyntheticFlight flight = synthetic_flight(300);
+  flight.config_yaml = hostile;
+  nlohmann::json summary = synthetic_summary(flight);
+  summary["verdicts"][hostile] = 3;
+  summary["scale"]["source"] = hostile;
+  flight.estimates[7].world_from_body.translation.setConstant(kNaN);
+  flight.estimates[8].world_from_body.rotation.coeffs().setConstant(kNaN);
+  flight.estimates[9].velocity_in_world_m_s.setConstant(std::numeric_limits<double>::infinity());
+  flight.estimates[10].twist_covariance.setConstant(kNaN);
+  flight.truth[20] = std::nullopt;
+  const std::string dom = show(report_html(flight.content(hostile, true), summary));
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ready"), "24");
+  EXPECT_EQ(dom.find("<title>owned"), std::string::npos);
+  EXPECT_NE(dom.find("{{data}}"), std::string::npos);
+}
+
+// A visitor's script drags the pointer across one chart and looks at the others.
+TEST_F(ReportInBrowser, zooms_all_charts_together) {
+  const SyntheticFlight flight = synthetic_flight(500);
+  std::string html = report_html(flight.content("flight.mp4", true), synthetic_summary(flight));
+  const std::string visitor = R"(<script>
+    const plots = [...document.querySelectorAll('.plot')];
+    const canvas = plots[0].querySelectorAll('canvas')[1];
+    const box = canvas.getBoundingClientRect();
+    const at = (kind, share, target) => target.dispatchEvent(new MouseEvent(kind, {bubbles: true,
+      cancelable: true, view: window, button: 0, clientX: box.left + 46 + share * (box.width - 46),
+      clientY: box.top + 40}));
+    at('mousedown', 0.2, canvas); at('mousemove', 0.4, document); at('mousemove', 0.6, document);
+    at('mouseup', 0.6, document);
+    const ranges = plots.map(plot => plot.chart.graph.xAxisRange().map(t => t.toFixed(6)).join());
+    const root = document.documentElement.dataset;
+    root.ranges = new Set(ranges.slice(0, 6)).size;
+    root.range = ranges[1];
+    root.button = !document.getElementById('reset').hidden;
+    document.getElementById('reset').click();
+    root.whole = plots[0].chart.graph.xAxisRange().map(t => Math.round(t)).join();
+  </script>)";
+  html.insert(html.rfind("</body>"), visitor);
+  const std::string dom = show(html);
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ranges"), "1") << "one range for all charts in sight";
+  EXPECT_EQ(root_data(dom, "button"), "true");
+  EXPECT_EQ(root_data(dom, "whole"), "0,150");
+  const std::string range = root_data(dom, "range").value_or("0,0");
+  EXPECT_NEAR(std::stod(range), 0.2 * 150, 6);
+  EXPECT_NEAR(std::stod(range.substr(range.find(',') + 1)), 0.6 * 150, 6);
+}
+
+}  // namespace
+}  // namespace stillkite

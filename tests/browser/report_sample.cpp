@@ -1,0 +1,36 @@
+// Writes reports of a made-up flight, to look at them: report_sample FOLDER
+#include <exception>
+#include <filesystem>
+#include <iostream>
+
+#include "synthetic_flight.hpp"
+
+namespace {
+
+void write_samples(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  const auto flight = stillkite::synthetic_flight(3750);
+  auto summary = synthetic_summary(flight);
+  write_report(folder / "with_truth.html", flight.content("flight.mp4", true), summary);
+  summary.erase("evaluation");
+  write_report(folder / "without_truth.html", flight.content("flight.mp4", false), summary);
+  const auto marathon = stillkite::synthetic_flight(90000);
+  write_report(folder / "long.html", marathon.content("marathon.mp4", true),
+               synthetic_summary(marathon));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    if (argc != 2) {
+      std::cerr << "usage: report_sample FOLDER\n";
+      return 2;
+    }
+    write_samples(argv[1]);
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,109 @@
+#include "io/flight_inputs.hpp"
+
+#include <opencv2/core.hpp>
+
+#include "temporary_folder.hpp"
+
+namespace stillkite {
+namespace {
+
+class Inputs : public testing::Test {
+ protected:
+  Inputs() { config.calibration.camera = CameraConfig{}; }
+
+  FlightInputs read() { return read_flight_inputs(config, first); }
+  std::string error() {
+    return input_error_of(folder, [&] { (void)read(); });
+  }
+
+  TemporaryFolder folder;
+  RunConfig config;
+  Frame first{.stamp = from_seconds(1.5), .grey = cv::Mat(1080, 1920, CV_8UC1)};
+};
+
+TEST_F(Inputs, WithoutAnyHeightTheUnitIsTheInitialHeight) {
+  const FlightInputs inputs = read();
+  EXPECT_EQ(inputs.initial.scale, ScaleSource::none);
+  EXPECT_EQ(inputs.initial.world_from_body.translation, Eigen::Vector3d(0, 0, 1));
+  EXPECT_TRUE(inputs.truth.empty());
+}
+
+TEST_F(Inputs, TheMountTurnsTheCameraByItsAngleBelowTheHorizon) {
+  struct Case {
+    double down_deg;
+    Eigen::Vector3d axis;  // optical, in the body
+  };
+  const double r = std::sqrt(0.5);
+  for (const Case& c : {Case{0, {1, 0, 0}}, Case{90, {0, 0, -1}}, Case{45, {r, 0, -r}}}) {
+    config.mount.down_deg = c.down_deg;
+    const Eigen::Quaterniond q = read().body_from_camera.rotation;
+    EXPECT_LT((q * Eigen::Vector3d::UnitZ() - c.axis).norm(), 1e-12) << c.down_deg;
+    EXPECT_LT((q * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
+  }
+  // looking down the picture's top is the nose
+  config.mount.down_deg.reset();
+  const Eigen::Quaterniond q = read().body_from_camera.rotation;
+  EXPECT_LT((q * Eigen::Vector3d(0, -1, 0) - Eigen::Vector3d::UnitX()).norm(), 1e-12);
+}
+
+TEST_F(Inputs, TheStartIsTheTruthAtTheFirstFrame) {
+  config.truth.path = folder.file("t.tum", "1 0 0 10 0 0 0 1\n2 2 4 20 0 0 0 1\n");
+  config.initial.from_truth = true;
+  const FlightInputs inputs = read();
+  EXPECT_EQ(inputs.initial.scale, ScaleSource::initial_height);
+  EXPECT_LT((inputs.initial.world_from_body.translation - Eigen::Vector3d(1, 2, 15)).norm(), 1e-12);
+  EXPECT_EQ(inputs.truth.size(), 2u);
+
+  first.stamp = from_seconds(0.5);
+  EXPECT_EQ(error(),
+            "initial.from_truth: the truth's stamps are 1 s to 2 s, the first frame's is 0.5 s; "
+            "choose source.start_s within them");
+  config.truth.path.reset();
+  EXPECT_NE(error().find("there is no truth"), std::string::npos);
+}
+
+TEST_F(Inputs, ATruthFolderWithoutDataIsNoTruth) {
+  folder.write("truth/sensor.yaml", "x: 1\n");
+  config.truth.path = folder.path() / "truth";
+  EXPECT_TRUE(read().truth.empty());
+}
+
+TEST_F(Inputs, ARangeFinderGivesTheStartsHeight) {
+  config.height = {.source = HeightSource::range,
+                   .path = folder.file("h.csv", "t [s],h\n1.4,8\n1.6,10\n")};
+  const FlightInputs inputs = read();
+  EXPECT_EQ(inputs.initial.scale, ScaleSource::range);
+  EXPECT_NEAR(inputs.initial.world_from_body.translation.z(), 9, 1e-9);
+}
+
+TEST_F(Inputs, ABarometerIsTiedToTheInitialHeight) {
+  config.height = {.source = HeightSource::barometer,
+                   .path = folder.file("h.csv", "t [s],h\n1.4,308\n1.6,310\n")};
+  EXPECT_NE(error().find("a barometer gives changes only"), std::string::npos);
+  config.initial.height_m = 20;
+  EXPECT_NEAR(read().sensors.height_m.values[1], 21, 1e-9);
+}
+
+TEST_F(Inputs, MessagesNameWhatToMend) {
+  first.grey = cv::Mat(480, 640, CV_8UC1);
+  config.source.path = "v.mp4";
+  EXPECT_EQ(error(),
+            "calibration.camera: is a calibration for pictures of 1920x1080, those of v.mp4 are "
+            "640x480; give the one of this resolution");
+  config.calibration.path = "c.yaml";
+  EXPECT_EQ(error(), "calibration.path and calibration.camera are both given; keep one");
+  config.calibration = {};
+  EXPECT_EQ(error(),
+            "v.mp4: comes without a calibration; give calibration.path or calibration.camera");
+  config.calibration.camera =
+      CameraConfig{.width_px = 640, .height_px = 480, .centre_x_px = 320, .centre_y_px = 240};
+  config.height.source = HeightSource::range;
+  EXPECT_NE(error().find("height.source and height.path belong together"), std::string::npos);
+  config.height.source = HeightSource::none;
+  config.truth.path = folder.file("t.tum", "1 0 0 -3 0 0 0 1\n2 2 4 -3 0 0 0 1\n");
+  config.initial.from_truth = true;
+  EXPECT_NE(error().find("the camera starts at the height -3.000 m"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace stillkite

@@ -1,0 +1,80 @@
+#include "io/sensor_log.hpp"
+
+#include <cmath>
+
+#include "navigation/navigator.hpp"
+#include "temporary_folder.hpp"
+
+namespace stillkite {
+namespace {
+
+Timestamp at_s(double t_s) {
+  return from_seconds(t_s);
+}
+
+TEST(SensorLog, HeightIsInterpolatedAndUnknownOutside) {
+  const SensorLog log{
+      .height_m = {.stamps = {at_s(1.0), at_s(1.2), at_s(3.0)}, .values = {10, 12, 30}}};
+  const auto height = [&](double t_s) {
+    return readings_between(log, at_s(0), at_s(t_s)).height_m;
+  };
+  EXPECT_DOUBLE_EQ(*height(1.0), 10);
+  EXPECT_DOUBLE_EQ(*height(1.05), 10.5);
+  EXPECT_DOUBLE_EQ(*height(3.0), 30);
+  EXPECT_FALSE(height(0.99).has_value());
+  EXPECT_FALSE(height(3.01).has_value());
+  EXPECT_FALSE(height(2.0).has_value());  // in a gap of 1.8 s
+  EXPECT_FALSE(readings_between({}, at_s(0), at_s(1)).height_m.has_value());
+}
+
+// The mean of a line over any interval is its value in the middle.
+TEST(SensorLog, MeanRateOfALinearRateIsItsMiddle) {
+  SensorLog log;
+  auto& gyro = log.angular_rate_in_body_rad_s;
+  for (int i = 0; i <= 100; ++i) {
+    const double t_s = 0.005 * i;
+    gyro.stamps.push_back(at_s(t_s));
+    gyro.values.emplace_back(2 * t_s, -t_s, 1);
+  }
+  for (const auto& [from, to] : {std::pair{0.0, 0.5}, {0.1012, 0.1391}, {0.2001, 0.2003}}) {
+    const auto mean = readings_between(log, at_s(from), at_s(to)).mean_angular_rate_in_body_rad_s;
+    ASSERT_TRUE(mean.has_value());
+    const double middle = 0.5 * (from + to);
+    EXPECT_LT((*mean - Eigen::Vector3d(2 * middle, -middle, 1)).norm(), 1e-9);
+  }
+  EXPECT_FALSE(readings_between(log, at_s(0.4), at_s(0.6)).mean_angular_rate_in_body_rad_s);
+  EXPECT_FALSE(readings_between(log, at_s(0.4), at_s(0.4)).mean_angular_rate_in_body_rad_s);
+}
+
+TEST(SensorLog, AttitudeTurnsAtAConstantRateBetweenReadings) {
+  const SensorLog log{
+      .attitude = {.stamps = {at_s(0), at_s(0.4)},
+                   .values = {Eigen::Quaterniond::Identity(), so3_exp({0, 0, 1.2})}}};
+  const auto attitude = readings_between(log, at_s(0), at_s(0.1)).attitude;
+  ASSERT_TRUE(attitude.has_value());
+  EXPECT_LT(angle_between_rad(*attitude, so3_exp({0, 0, 0.3})), 1e-9);
+}
+
+TEST(SensorLog, ReadsEveryKindOfFile) {
+  const TemporaryFolder folder;
+  const auto gyro = read_gyro(folder.file("imu.csv",
+                                          "#timestamp [ns],wx,wy,wz,ax,ay,az\n"
+                                          "1403715273262142976,1,2,3,4,5,6\n"));
+  EXPECT_EQ(gyro.stamps[0].ns, 1403715273262142976);
+  EXPECT_EQ(gyro.values[0], Eigen::Vector3d(1, 2, 3));
+  const auto heights = read_heights(folder.file("range.csv", "t [s],height [m]\n0.5,12.25\n"));
+  EXPECT_EQ(heights.stamps[0], at_s(0.5));
+  EXPECT_EQ(heights.values[0], 12.25);
+  const auto attitudes = read_attitudes(folder.file("att.csv", "1,0.5,-0.5,0.5,0.5\n"));
+  EXPECT_EQ(attitudes.values[0].w(), 0.5);
+  EXPECT_EQ(attitudes.values[0].x(), -0.5);
+  const auto linear = read_accelerations(folder.file("a.csv", "1,1,2,3\n"));
+  EXPECT_EQ(linear.values[0], (Vector6d() << 1, 2, 3, 0, 0, 0).finished());
+  const auto both = read_accelerations(folder.file("a.csv", "1,1,2,3,4,5,6\n"));
+  EXPECT_EQ(both.values[0], (Vector6d() << 1, 2, 3, 4, 5, 6).finished());
+  EXPECT_EQ(input_error_of(folder, [&] { (void)read_heights(folder.file("h.csv", "t,h\n")); }),
+            "h.csv: has no row of data");
+}
+
+}  // namespace
+}  // namespace stillkite
