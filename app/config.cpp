@@ -1,0 +1,37 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "app/commands.hpp"
+#include "io/config_printing.hpp"
+#include "io/run_config.hpp"
+
+namespace stillkite {
+namespace {
+
+struct ConfigArguments {
+  std::optional<std::filesystem::path> config;
+  std::vector<std::string> overrides;
+};
+
+}  // namespace
+
+void add_config(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "config", "Print the configuration of a run: every key, its value, range and meaning");
+  const auto arguments = std::make_shared<ConfigArguments>();
+  command->add_option("config", arguments->config, "YAML file; without it the defaults");
+  command
+      ->add_option("--set", arguments->overrides,
+                   "Override a key of the configuration, as key=value; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command->footer("What is printed can be run again: stillkite config > my.yaml");
+  command->callback([arguments] {
+    fmt::print("{}", print_config(load_run_config(arguments->config, arguments->overrides)));
+  });
+}
+
+}  // namespace stillkite

@@ -1,0 +1,169 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+
+#include "app/commands.hpp"
+#include "app/evaluation_json.hpp"
+#include "evaluation/evaluation.hpp"
+#include "geometry/fields.hpp"
+#include "io/calibration.hpp"
+#include "io/euroc_dataset.hpp"
+#include "io/trajectory_file.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+struct Arguments {
+  std::string truth;
+  std::string estimate;
+  std::string alignment{name_of(Alignment::none)};
+  double tolerance_s = EvaluationOptions{}.tolerance_s;
+  bool json = false;
+};
+
+Alignment alignment_named(std::string_view wanted) {
+  for (const auto& [value, name] : EnumNames<Alignment>::value) {
+    if (name == wanted) return value;
+  }
+  return Alignment::none;  // CLI11 has checked the name
+}
+
+/// A true trajectory; of a data set also its velocities and where its camera sits in the body.
+struct TruthOnDisk {
+  Truth truth;
+  RigidTransform body_from_camera;
+};
+
+TruthOnDisk read_truth(const std::string& path) {
+  TruthOnDisk result{.truth = {.poses = read_trajectory(path)}};
+  const auto dataset = find_euroc_dataset(path);
+  if (!dataset) return result;
+  if (dataset->camera_twists) result.truth.twists_in_camera = read_twists(*dataset->camera_twists);
+  if (dataset->calibration) {
+    const Calibration calibration = read_calibration(*dataset->calibration);
+    result.body_from_camera = calibration.body_from_camera.value_or(RigidTransform{});
+  }
+  return result;
+}
+
+std::string span_text(const std::vector<StampedPose>& poses) {
+  return fmt::format("{} poses from {:.3f} s to {:.3f} s", poses.size(),
+                     to_seconds(poses.front().stamp), to_seconds(poses.back().stamp));
+}
+
+void reject_if_unmatched(const Evaluation& evaluation, const Arguments& arguments,
+                         const std::vector<StampedPose>& truth,
+                         const std::vector<StampedPose>& estimate) {
+  constexpr int kFewest = 3;  // a path with one bend
+  if (evaluation.matched < kFewest) {
+    throw InputError(fmt::format(
+        "{}: {} of its stamps are within {} s of one in {}, too few; the estimate has {}, the "
+        "truth {}: are both on one clock? (--tolerance-s widens the match)",
+        arguments.estimate, evaluation.matched, arguments.tolerance_s, arguments.truth,
+        span_text(estimate), span_text(truth)));
+  }
+  if (!evaluation.alignment) {
+    throw InputError(fmt::format(
+        "{}: --align {} is not determined by this path (it has no extent in the directions that "
+        "it needs); use --align origin or none",
+        arguments.estimate, arguments.alignment));
+  }
+}
+
+void print_axes(const char* name, const std::optional<VectorError>& error, const char* unit) {
+  if (!error) return;
+  const auto row = [&](const char* figure, const char* figure_unit, const auto& at) {
+    fmt::print("  {:<26} {:>11} {:>11} {:>11}  {}\n", fmt::format("{} {}", name, figure), at(0),
+               at(1), at(2), figure_unit);
+  };
+  row("RMSE", unit, [&](int i) { return fmt::format("{:.5g}", error->rmse(i)); });
+  row("median error", unit, [&](int i) { return fmt::format("{:.5g}", error->median_abs(i)); });
+  row("correlation", "", [&](int i) {
+    const auto& value = error->correlation[static_cast<std::size_t>(i)];
+    return value ? fmt::format("{:.5f}", *value) : std::string("-");
+  });
+}
+
+void print_relative(const char* name, const std::optional<RelativeError>& error) {
+  if (!error) return;
+  fmt::print("  {:<22} {:.5g} m, {:.4g} deg over {:.4g} m ({} pairs)\n", name,
+             error->translation_rmse_m, error->rotation_rmse_rad * kDegrees, error->mean_length_m,
+             error->count);
+}
+
+void print_table(const Evaluation& evaluation, const Arguments& arguments, std::size_t estimates) {
+  const TrajectoryError& error = *evaluation.trajectory;
+  fmt::print("matched {} of {} stamps, path {:.5g} m, alignment {}", evaluation.matched, estimates,
+             evaluation.path_length_m, arguments.alignment);
+  if (evaluation.alignment->scale != 1) {
+    fmt::print(" (scale {:.6f})", evaluation.alignment->scale);
+  }
+  fmt::print("\n\nPose\n");
+  fmt::print("  {:<22} {:.5g} m, at most {:.5g} m\n", "position RMSE (ATE)", error.position_rmse_m,
+             error.position_max_m);
+  fmt::print("  {:<22} {:.5g} m horizontal, {:.5g} m vertical\n", "end error",
+             error.end_error_horizontal_m, error.end_error_vertical_m);
+  if (evaluation.drift_percent) {
+    fmt::print("  {:<22} {:.4g} % of the path\n", "drift", *evaluation.drift_percent);
+  }
+  fmt::print("  {:<22} {:.4g} deg tilt, {:.4g} deg yaw\n", "attitude RMSE",
+             error.tilt_rmse_rad * kDegrees, error.yaw_rmse_rad * kDegrees);
+  print_relative("relative, a frame", evaluation.per_frame);
+  print_relative("relative, path / 10", evaluation.per_tenth);
+  fmt::print("\n{:<29} {:>10} {:>11} {:>11}\n", "Motion in the camera", "x", "y", "z");
+  print_axes("velocity", evaluation.velocity, "m/s");
+  print_axes("rate", evaluation.angular_rate, "rad/s");
+}
+
+void run(const Arguments& arguments) {
+  const TruthOnDisk truth = read_truth(arguments.truth);
+  const std::vector<StampedPose> estimate = read_trajectory(arguments.estimate);
+  const Evaluation evaluation = evaluate(motion_estimates(estimate), truth.truth,
+                                         {.tolerance_s = arguments.tolerance_s,
+                                          .alignment = alignment_named(arguments.alignment),
+                                          .body_from_camera = truth.body_from_camera});
+  reject_if_unmatched(evaluation, arguments, truth.truth.poses, estimate);
+  if (arguments.json) {
+    fmt::print("{}\n", evaluation_json(evaluation).dump(2));
+  } else {
+    print_table(evaluation, arguments, estimate.size());
+  }
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Judge an estimated trajectory by a true one.");
+  command
+      ->add_option("--truth", arguments->truth,
+                   "EuRoC data set or data.csv, or a TUM file; of a data set its velocities too")
+      ->required();
+  command->add_option("--estimate", arguments->estimate, "the same, or the folder of a run")
+      ->required();
+  std::vector<std::string> alignments;
+  alignments.reserve(EnumNames<Alignment>::value.size());
+  for (const auto& [value, name] : EnumNames<Alignment>::value) alignments.emplace_back(name);
+  command
+      ->add_option("--align", arguments->alignment,
+                   "how the estimate is laid onto the truth: as it is, by its first pose, by 4 "
+                   "degrees of freedom, by a rigid motion, by that and scale")
+      ->check(CLI::IsMember(alignments).description(""))
+      ->option_text("none|origin|yaw|se3|sim3");
+  command
+      ->add_option("--tolerance-s", arguments->tolerance_s,
+                   "how far apart in time an estimate and the nearest truth may be")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "the same figures as JSON");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace stillkite

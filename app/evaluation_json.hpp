@@ -1,0 +1,12 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "evaluation/evaluation.hpp"
+
+namespace stillkite {
+
+/// `evaluation` of summary.json: the names are the documented ones, what is unknown is null.
+[[nodiscard]] nlohmann::json evaluation_json(const Evaluation& evaluation);
+
+}  // namespace stillkite

@@ -1,0 +1,108 @@
+#include "app/flight_files.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <iterator>
+
+#include "io/output_file.hpp"
+#include "io/trajectory_file.hpp"
+
+namespace stillkite {
+namespace {
+
+std::string print_vector(const Eigen::Vector3d& v) {
+  return fmt::format("{:.9f},{:.9f},{:.9f}", v.x(), v.y(), v.z());
+}
+
+}  // namespace
+
+std::string camera_yaml(const FlightRecord& flight, double frames_per_s) {
+  const Camera& camera = flight.camera;
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = Eigen::Matrix4d::Identity();
+  T.topLeftCorner<3, 3>() = flight.body_from_camera.rotation.toRotationMatrix();
+  T.topRightCorner<3, 1>() = flight.body_from_camera.translation;
+  const std::size_t used = camera.distortion == DistortionModel::radial_tangential ? 8 : 4;
+  return fmt::format(
+      "sensor_type: camera\n"
+      "comment: simulated\n"
+      "T_BS:\n  cols: 4\n  rows: 4\n  data: [{}]\n"
+      "rate_hz: {}\n"
+      "resolution: [{}, {}]\n"
+      "camera_model: pinhole\n"
+      "intrinsics: [{}, {}, {}, {}]  # fu, fv, cu, cv\n"
+      "distortion_model: {}\n"
+      "distortion_coefficients: [{}]\n",
+      fmt::join(T.data(), T.data() + T.size(), ", "), frames_per_s, camera.width_px,
+      camera.height_px, camera.focal_x_px, camera.focal_y_px, camera.centre_x_px,
+      camera.centre_y_px, name_of(camera.distortion),
+      fmt::join(camera.coefficients.begin(), camera.coefficients.begin() + used, ", "));
+}
+
+std::string truth_csv(const FlightRecord& flight) {
+  std::string out =
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1]\n";
+  for (const StampedState& at : flight.truth) {
+    const Eigen::Quaterniond& q = at.state.world_from_body.rotation;
+    fmt::format_to(std::back_inserter(out), "{},{},{:.12f},{:.12f},{:.12f},{:.12f},{}\n",
+                   at.stamp.ns, print_vector(at.state.world_from_body.translation), q.w(), q.x(),
+                   q.y(), q.z(), print_vector(at.state.velocity_in_world_m_s));
+  }
+  return out;
+}
+
+std::string truth_tum(const FlightRecord& flight) {
+  std::string out = kTumHeader;
+  for (const StampedState& at : flight.truth) {
+    out += tum_line({at.stamp, at.state.world_from_body});
+  }
+  return out;
+}
+
+std::string velocity_csv(const FlightRecord& flight) {
+  std::string out = "#timestamp [ns],vx,vy,vz [m/s camera frame],wx,wy,wz [rad/s camera frame]\n";
+  for (const StampedTwist& row : flight.twists_in_camera) {
+    fmt::format_to(std::back_inserter(out), "{},{},{}\n", row.stamp.ns,
+                   print_vector(row.twist.velocity_m_s),
+                   print_vector(row.twist.angular_rate_rad_s));
+  }
+  return out;
+}
+
+std::string imu_csv(const FlightRecord& flight) {
+  std::string out =
+      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+      "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+  for (const ImuReading& reading : flight.imu) {
+    fmt::format_to(std::back_inserter(out), "{},{},{}\n", reading.stamp.ns,
+                   print_vector(reading.angular_rate_in_body_rad_s),
+                   print_vector(reading.specific_force_in_body_m_s2));
+  }
+  return out;
+}
+
+std::string range_csv(const FlightRecord& flight) {
+  std::string out = "#timestamp [ns],range [m]\n";
+  for (const RangeReading& reading : flight.range) {
+    fmt::format_to(std::back_inserter(out), "{},{:.6f}\n", reading.stamp.ns, reading.range_m);
+  }
+  return out;
+}
+
+void write_flight_files(const FlightRecord& flight, double frames_per_s,
+                        const std::filesystem::path& top, const std::filesystem::path& dataset,
+                        const std::filesystem::path& camera_folder) {
+  const auto truth_folder = dataset / "state_groundtruth_estimate0";
+  for (const auto& folder : {camera_folder, truth_folder, dataset / "imu0"}) {
+    std::filesystem::create_directories(folder);
+  }
+  write_file(camera_folder / "sensor.yaml", camera_yaml(flight, frames_per_s));
+  write_file(truth_folder / "data.csv", truth_csv(flight));
+  write_file(dataset / "imu0" / "data.csv", imu_csv(flight));
+  write_file(top / "truth.tum", truth_tum(flight));
+  write_file(top / "velocity.csv", velocity_csv(flight));
+  write_file(top / "range.csv", range_csv(flight));
+}
+
+}  // namespace stillkite

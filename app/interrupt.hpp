@@ -1,0 +1,10 @@
+#pragma once
+
+namespace stillkite {
+
+/// From here on the first SIGINT or SIGTERM only raises a flag; a second one ends the process.
+void catch_interrupts();
+
+[[nodiscard]] bool interrupted();
+
+}  // namespace stillkite

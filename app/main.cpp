@@ -1,0 +1,69 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "app/commands.hpp"
+#include "app/exit_code.hpp"
+#include "app/interrupt.hpp"
+#include "geometry/fields.hpp"
+
+namespace {
+
+using stillkite::ExitCode;
+
+ExitCode fail(ExitCode code, const char* message) {
+  std::fprintf(stderr, "stillkite: %s\n", message);
+  return code;
+}
+
+// The subcommands run inside the parse, as CLI11's callbacks.
+ExitCode run_command_line(int argc, char** argv) {
+  CLI::App app("From a drone's video: how it moves, in metres, and where it is.", "stillkite");
+  app.set_version_flag("--version", "stillkite " STILLKITE_VERSION);
+  app.require_subcommand(1);
+  app.failure_message([](const CLI::App* at, const CLI::Error& error) {
+    return fmt::format("stillkite: {}\nTry: {} --help\n", error.what(), at->get_name());
+  });
+  app.footer(
+      "Start with: stillkite config > my.yaml   (every key, its default and meaning)\n"
+      "Exit status: 0 done, 1 the run failed, 2 wrong use or input, 130 interrupted.");
+
+  stillkite::add_run(app);
+  stillkite::add_simulate(app);
+  stillkite::add_evaluate(app);
+  stillkite::add_config(app);
+
+  try {
+    app.parse(argc, argv);
+    return ExitCode::done;
+  } catch (const CLI::ParseError& error) {
+    const bool asked_for_text = error.get_exit_code() == 0;  // --help, --version
+    app.exit(error);
+    return asked_for_text ? ExitCode::done : ExitCode::wrong_input;
+  }
+}
+
+ExitCode exit_code_of(int argc, char** argv) {
+  try {
+    return run_command_line(argc, argv);
+  } catch (const stillkite::InputError& error) {
+    return fail(ExitCode::wrong_input, error.what());
+  } catch (const stillkite::Interrupted&) {
+    return ExitCode::interrupted;
+  } catch (const std::exception& error) {
+    return fail(ExitCode::failed, error.what());
+  } catch (...) {
+    return fail(ExitCode::failed, "an unknown error");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is then an error of write, as a full disk
+  stillkite::catch_interrupts();
+  return static_cast<int>(exit_code_of(argc, argv));
+}

@@ -1,0 +1,39 @@
+#include "app/overlay_video.hpp"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <utility>
+
+namespace stillkite {
+
+OverlayVideo::OverlayVideo(std::filesystem::path file, const Camera& camera,
+                           const RigidTransform& body_from_camera)
+    : file_(std::move(file)), overlay_(camera, body_from_camera) {}
+
+void OverlayVideo::open(double frames_per_s) {
+  constexpr double kSlowest = 0.1;
+  constexpr double kFastest = 1000;
+  writer_.emplace(file_, overlay_.size(), std::clamp(frames_per_s, kSlowest, kFastest),
+                  EncoderConfig{.preset = EncoderPreset::veryfast});
+  writer_->write(first_);
+}
+
+void OverlayVideo::add(const Frame& frame, const NavigationEstimate& estimate,
+                       std::span<const WindowFlow> windows) {
+  const cv::Mat& picture = overlay_.draw(frame.grey, estimate, windows);
+  if (first_.empty()) {
+    first_ = picture.clone();
+    first_stamp_ = frame.stamp;
+    return;
+  }
+  if (!writer_) open(1 / seconds_between(first_stamp_, frame.stamp));
+  writer_->write(picture);
+}
+
+void OverlayVideo::commit() {
+  if (first_.empty()) return;
+  if (!writer_) open(1);
+  writer_->commit();
+}
+
+}  // namespace stillkite

@@ -1,0 +1,85 @@
+#include "app/run_results.hpp"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/evaluation_json.hpp"
+#include "evaluation/evaluation.hpp"
+#include "io/config_printing.hpp"
+#include "io/report.hpp"
+
+namespace stillkite {
+namespace {
+
+using nlohmann::json;
+
+json evaluation_of(const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates) {
+  // without a scale the estimate is in heights, and no error in metres can be told
+  const bool is_metric = !estimates.empty() && estimates.back().scale != ScaleSource::none;
+  if (inputs.truth.empty() || !is_metric) return nullptr;
+  return evaluation_json(
+      evaluate(motion_estimates(estimates),
+               {.poses = inputs.truth, .twists_in_camera = inputs.twists_in_camera},
+               {.body_from_camera = inputs.body_from_camera}));
+}
+
+std::vector<std::optional<RigidTransform>> truth_at(
+    const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates) {
+  std::vector<std::optional<RigidTransform>> truth;
+  if (inputs.truth.empty()) return truth;
+  for (const NavigationEstimate& e : estimates) {
+    truth.push_back(pose_at(inputs.truth, e.stamp, EvaluationOptions{}.tolerance_s));
+  }
+  return truth;
+}
+
+// "1.23 m", or "unknown".
+std::string figure(const json& value, const char* unit) {
+  return value.is_number() ? fmt::format("{:.4g} {}", value.get<double>(), unit) : "unknown";
+}
+
+}  // namespace
+
+json write_run_results(const std::filesystem::path& folder, const RunConfig& config,
+                       const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates,
+                       const RunFacts& facts) {
+  const json summary = run_summary(estimates, facts, evaluation_of(inputs, estimates));
+  write_file(folder / "summary.json", summary.dump(2) + '\n');
+  const auto truth = truth_at(inputs, estimates);
+  write_report(folder / "report.html",
+               {.title = config.source.path.string(),
+                .estimates = estimates,
+                .truth = truth,
+                .body_from_camera = inputs.body_from_camera,
+                .config_yaml = print_config(config)},
+               summary);
+  return summary;
+}
+
+void print_run_results(const json& summary, const std::filesystem::path& folder) {
+  const json& frames = summary["frames"];
+  const json& timing = summary["timing"];
+  fmt::print("frames       {} read, {} used, {} rejected\n", frames["read"].dump(),
+             frames["used"].dump(), frames["rejected"].dump());
+  fmt::print("speed        {}, estimator {} a frame (median)\n",
+             figure(timing["frames_per_s"], "frames/s"),
+             figure(timing["frame_ms"]["median"], "ms"));
+  if (const json& last = summary["final"]; !last.is_null()) {
+    const auto position = last["position_m"].get<std::vector<double>>();
+    fmt::print("at the end   x {:.3f}, y {:.3f}, z {:.3f} {}\n", position[0], position[1],
+               position[2],
+               summary["scale"]["source"] == name_of(ScaleSource::none) ? "initial heights" : "m");
+  }
+  if (const json& errors = summary["evaluation"]; !errors.is_null()) {
+    fmt::print("against truth: {} stamps, path {}\n", errors["matched"].dump(),
+               figure(errors["path_length_m"], "m"));
+    fmt::print("  position   {} RMSE, drift {} of the path\n",
+               figure(errors["position_rmse_m"], "m"), figure(errors["drift_percent"], "%"));
+    fmt::print("  attitude   {} tilt, {} yaw RMSE\n", figure(errors["tilt_rmse_rad"], "rad"),
+               figure(errors["yaw_rmse_rad"], "rad"));
+  }
+  fmt::print("report       {}\n", (folder / "report.html").string());
+}
+
+}  // namespace stillkite

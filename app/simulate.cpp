@@ -1,0 +1,191 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+
+#include "app/commands.hpp"
+#include "app/exit_code.hpp"
+#include "app/flight_files.hpp"
+#include "app/interrupt.hpp"
+#include "app/progress_bar.hpp"
+#include "io/config_binding.hpp"
+#include "io/config_node.hpp"
+#include "io/config_printing.hpp"
+#include "io/output_file.hpp"
+#include "io/output_folder.hpp"
+#include "io/video_writer.hpp"
+#include "simulation/simulate.hpp"
+
+namespace stillkite {
+
+/// How the pictures are kept.
+enum class PictureFormat { video, euroc };
+template <>
+struct EnumNames<PictureFormat> {
+  static constexpr auto value = std::to_array<std::pair<PictureFormat, std::string_view>>(
+      {{PictureFormat::video, "video"}, {PictureFormat::euroc, "euroc"}});
+};
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct OutputConfig {
+  PictureFormat format = PictureFormat::video;
+  EncoderConfig encoder{};
+
+  static void fields(auto& self, auto&& field) {
+    field("format", self.format, "video: one H.264 file; euroc: PNG pictures in EuRoC's folders");
+    field("encoder", self.encoder, "of the video");
+  }
+};
+
+struct SimulateConfig {
+  SimulationConfig simulation{};
+  OutputConfig output{};
+
+  static void fields(auto& self, auto&& field) {
+    SimulationConfig::fields(self.simulation, field);
+    field("output", self.output, "the files");
+  }
+};
+
+constexpr const char* kVideoName = "flight.mp4";
+
+cv::Mat read_photograph(const SimulationConfig& config) {
+  if (!config.ground.photograph) return {};
+  const std::string name = config.ground.photograph->string();
+  cv::Mat grey = cv::imread(name, cv::IMREAD_GRAYSCALE);
+  if (grey.empty()) {
+    throw InputError("ground.photograph: " + name +
+                     " is missing or no picture; give a PNG or JPEG of a ground seen from above");
+  }
+  return grey;
+}
+
+// Where the pictures go: a sink, and what is to be done after the last one.
+struct PictureOutput {
+  FrameSink sink;
+  std::function<void()> finish;
+};
+
+PictureOutput video_output(const SimulateConfig& config, const fs::path& top) {
+  const Camera camera = config.simulation.camera.lens();
+  const auto writer =
+      std::make_shared<VideoWriter>(top / kVideoName, cv::Size(camera.width_px, camera.height_px),
+                                    config.simulation.camera.frames_per_s, config.output.encoder);
+  return {[writer](const Frame& frame) { writer->write(frame.grey); },
+          [writer] { writer->commit(); }};
+}
+
+PictureOutput euroc_output(const fs::path& camera_folder) {
+  fs::create_directories(camera_folder / "data");
+  const auto list = std::make_shared<OutputFile>(camera_folder / "data.csv");
+  list->write("#timestamp [ns],filename\n");
+  const auto write = [list, camera_folder](const Frame& frame) {
+    const std::string name = fmt::format("{:019}.png", frame.stamp.ns);
+    const std::string file = (camera_folder / "data" / name).string();
+    // noise does not compress: more effort costs time and gains nothing
+    if (!cv::imwrite(file, frame.grey, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
+      throw std::runtime_error(file + ": cannot be written; is the disk full?");
+    }
+    list->write(fmt::format("{},{}\n", frame.stamp.ns, name));
+  };
+  return {write, [list] { list->commit(); }};
+}
+
+std::string run_yaml(PictureFormat format) {
+  const bool video = format == PictureFormat::video;
+  return fmt::format(
+      "# The simulated flight beside this file: stillkite run run.yaml\n"
+      "source:\n  path: {}\n{}"
+      "truth:\n  path: {}\n"
+      "initial:\n  from_truth: true\n"
+      "# Other sensors of the same flight, left out: {}imu0/data.csv (gyro.path), range.csv\n",
+      video ? kVideoName : ".", video ? "calibration:\n  path: sensor.yaml\n" : "",
+      video ? "truth.tum" : "mav0/state_groundtruth_estimate0", video ? "" : "mav0/");
+}
+
+// An upper bound; noisy pictures compress to between a tenth (video) and two thirds (PNG).
+std::uintmax_t bytes_needed(const SimulateConfig& config, std::size_t frames) {
+  const Camera camera = config.simulation.camera.lens();
+  const std::uintmax_t grey = std::uintmax_t{frames} * camera.width_px * camera.height_px;
+  return config.output.format == PictureFormat::video ? grey / 8 : grey;
+}
+
+void simulate_flight(const SimulateConfig& config, const fs::path& out) {
+  const SimulationConfig& simulation = config.simulation;
+  const bool video = config.output.format == PictureFormat::video;
+  const FlightRecord flight = record_flight(simulation);
+  const cv::Mat photograph = read_photograph(simulation);
+  OutputFolder folder(out, bytes_needed(config, flight.truth.size()));
+  const fs::path& top = folder.part();
+  const fs::path dataset = video ? top : top / "mav0";
+  const fs::path camera_folder = video ? top : dataset / "cam0";
+
+  write_flight_files(flight, simulation.camera.frames_per_s, top, dataset, camera_folder);
+  {
+    const PictureOutput pictures = video ? video_output(config, top) : euroc_output(camera_folder);
+    ProgressBar progress("simulate", static_cast<std::int64_t>(flight.truth.size()));
+    film_flight(simulation, photograph, [&](const Frame& frame) {
+      if (interrupted()) throw Interrupted{};
+      pictures.sink(frame);
+      progress.step();
+    });
+    pictures.finish();
+  }
+  write_file(top / "simulation.yaml", print_config(config));
+  write_file(top / "run.yaml", run_yaml(config.output.format));
+  folder.commit();
+  fmt::print(stderr,
+             "stillkite: {} frames; see what the navigator makes of them: stillkite run {}\n",
+             flight.truth.size(), (out / "run.yaml").string());
+}
+
+struct Arguments {
+  std::optional<std::string> config;
+  std::vector<std::string> overrides;
+  std::string out;
+};
+
+void simulate(const Arguments& arguments) {
+  ConfigNode root{.kind = ConfigNode::Kind::map};
+  if (arguments.config) root = read_yaml(*arguments.config);
+  for (const std::string& assignment : arguments.overrides) apply_override(root, assignment);
+  try {
+    simulate_flight(bind_config<SimulateConfig>(root), arguments.out);
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "stillkite: interrupted; nothing is left in {}\n", arguments.out);
+    throw;
+  }
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("simulate", "Film a flight over a known ground, with truth");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("config", arguments->config,
+                      "YAML file; without it the flow paper's flight (stillkite simulate --print)");
+  command->add_option("--set", arguments->overrides, "key=value over the file's, repeatable")
+      ->type_name("KEY=VALUE");
+  command->add_option("--out", arguments->out, "folder that is made for the flight")
+      ->type_name("DIR");
+  const auto print = std::make_shared<bool>(false);
+  command->add_flag("--print", *print, "print the defaults as YAML and stop");
+  command->callback([arguments, print] {
+    if (*print) {
+      fmt::print("{}", print_config(SimulateConfig{}));
+    } else if (arguments->out.empty()) {
+      throw InputError("simulate: --out is missing; name the folder to make");
+    } else {
+      simulate(*arguments);
+    }
+  });
+}
+
+}  // namespace stillkite

@@ -1,0 +1,10 @@
+# Runs COMMAND with ARGUMENTS; fails unless it exits with STATUS, and unless a failure speaks on
+# stderr only.
+execute_process(COMMAND ${COMMAND} ${ARGUMENTS} RESULT_VARIABLE status OUTPUT_VARIABLE out
+                ERROR_VARIABLE err)
+if(NOT status STREQUAL STATUS)
+  message(FATAL_ERROR "exit status ${status}, expected ${STATUS}\n${out}\n${err}")
+endif()
+if(NOT STATUS EQUAL 0 AND (NOT out STREQUAL "" OR err STREQUAL ""))
+  message(FATAL_ERROR "a failure must speak on stderr only\nstdout: ${out}\nstderr: ${err}")
+endif()

@@ -1,0 +1,34 @@
+#!/bin/sh
+# Ctrl-C in the middle of a run: status 130, what was estimated is written, nothing half is left.
+# The source is a data set's pictures over and over, so that no machine is done before the signal.
+# usage: interrupt_test.sh STILLKITE EUROC_DATA_SET OUT
+stillkite=$1 dataset=$2 out=$3
+rm -rf "$out" "$out.source"
+cam0=$out.source/mav0/cam0
+mkdir -p "$cam0"
+cp -r "$dataset/mav0/cam0/data" "$dataset/mav0/cam0/sensor.yaml" "$cam0"
+grep -v '^#' "$dataset/mav0/cam0/data.csv" | tr -d '\r' | awk -F, '
+  { name[NR] = $2 }
+  END { for (i = 1; i <= 20000; ++i) printf "%d0000000,%s\n", i, name[i % NR + 1] }' \
+  > "$cam0/data.csv"
+echo "{source: {path: .}, initial: {height_m: 20}}" > "$out.source/run.yaml"
+"$stillkite" run "$out.source/run.yaml" --out "$out" > /dev/null 2> "$out.messages" &
+pid=$!
+tries=0
+until [ -e "$out/estimates.csv.part" ]; do
+  tries=$((tries + 1))
+  [ $tries -gt 1000 ] && { echo "the run did not start"; cat "$out.messages"; exit 1; }
+  sleep 0.01
+done
+kill -INT $pid
+wait $pid
+status=$?
+cat "$out.messages"
+[ $status -eq 130 ] || { echo "exit status $status, expected 130"; exit 1; }
+grep -q "stopped after" "$out.messages" || { echo "it does not say so"; exit 1; }
+grep -q '"interrupted": true' "$out/summary.json" || { echo "summary.json does not say so"; exit 1; }
+for name in estimates.csv trajectory.tum report.html; do
+  [ -s "$out/$name" ] || { echo "$name is missing"; exit 1; }
+done
+ls "$out" | grep part && { echo "half a file is left"; exit 1; }
+exit 0

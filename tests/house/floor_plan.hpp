@@ -1,0 +1,28 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace stillkite::house {
+
+/// One row of the table in docs/architecture.md.
+struct Floor {
+  int level = 0;
+  bool includes_everything = false;
+  std::vector<std::string> library_prefixes;  ///< beginnings of permitted library includes
+};
+
+/// Floors by folder name, in the order of the names.
+using FloorPlan = std::map<std::string, Floor>;
+
+/// Reads the rows `| level | folder/ | job | may include |` of a Markdown text.
+[[nodiscard]] FloorPlan parse_floor_plan(std::string_view markdown);
+
+/// Every include of a source text in `folder` that the plan forbids, as "line N: ... ".
+[[nodiscard]] std::vector<std::string> forbidden_includes(const FloorPlan& plan,
+                                                          const std::string& folder,
+                                                          std::string_view source);
+
+}  // namespace stillkite::house

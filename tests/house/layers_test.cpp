@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "floor_plan.hpp"
+
+namespace stillkite::house {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = STILLKITE_SOURCE_DIR;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file);
+  EXPECT_TRUE(stream) << file;
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+bool is_source(const fs::path& file) {
+  return file.extension() == ".hpp" || file.extension() == ".cpp";
+}
+
+FloorPlan plan_of_the_house() {
+  return parse_floor_plan(text_of(kRoot / "docs/architecture.md"));
+}
+
+TEST(layers, every_include_obeys_the_floor_plan) {
+  const FloorPlan plan = plan_of_the_house();
+  int sources = 0;
+  for (const auto& [folder, floor] : plan) {
+    if (!fs::exists(kRoot / folder)) continue;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+      if (!is_source(entry.path())) continue;
+      ++sources;
+      for (const std::string& complaint : forbidden_includes(plan, folder, text_of(entry.path()))) {
+        ADD_FAILURE() << fs::relative(entry.path(), kRoot).string() << " " << complaint;
+      }
+    }
+  }
+  EXPECT_GT(sources, 0);
+}
+
+TEST(layers, every_folder_with_a_library_is_in_the_floor_plan) {
+  const FloorPlan plan = plan_of_the_house();
+  for (const fs::directory_entry& entry : fs::directory_iterator(kRoot)) {
+    const std::string folder = entry.path().filename();
+    if (folder == "tests" || folder == "bench" || !fs::exists(entry.path() / "CMakeLists.txt")) {
+      continue;
+    }
+    EXPECT_TRUE(plan.contains(folder)) << folder << "/ is missing in docs/architecture.md";
+  }
+}
+
+class FloorPlanRules : public testing::Test {
+ protected:
+  const FloorPlan plan = parse_floor_plan(
+      "| floor | folder | its one job | may include |\n"
+      "|---|---|---|---|\n"
+      "| 2 | `top/` | all | everything |\n"
+      "| 1 | `left/` | images | `Eigen/`, `opencv2/core` |\n"
+      "| 1 | `right/` | numbers | `Eigen/` |\n"
+      "| 0 | `ground/` | values | |\n");
+
+  [[nodiscard]] std::vector<std::string> complaints(const std::string& folder,
+                                                    const std::string& include) const {
+    return forbidden_includes(plan, folder, "// a comment\n#include " + include + "\n");
+  }
+};
+
+TEST_F(FloorPlanRules, reads_levels_and_libraries) {
+  ASSERT_EQ(plan.size(), 4U);
+  EXPECT_EQ(plan.at("left").level, 1);
+  EXPECT_EQ(plan.at("left").library_prefixes, (std::vector<std::string>{"Eigen/", "opencv2/core"}));
+  EXPECT_TRUE(plan.at("top").includes_everything);
+  EXPECT_FALSE(plan.at("ground").includes_everything);
+}
+
+TEST_F(FloorPlanRules, down_own_folder_and_standard_library_are_free) {
+  EXPECT_TRUE(complaints("left", "\"ground/a.hpp\"").empty());
+  EXPECT_TRUE(complaints("left", "\"left/a.hpp\"").empty());
+  EXPECT_TRUE(complaints("ground", "<vector>").empty());
+  EXPECT_TRUE(complaints("ground", "<unistd.h>").empty());
+}
+
+TEST_F(FloorPlanRules, up_and_sideways_are_forbidden) {
+  EXPECT_EQ(complaints("ground", "\"left/a.hpp\""),
+            std::vector<std::string>{"line 2: left/a.hpp points up"});
+  EXPECT_EQ(complaints("left", "\"right/a.hpp\""),
+            std::vector<std::string>{"line 2: right/a.hpp points sideways"});
+  EXPECT_EQ(complaints("left", "\"cellar/a.hpp\"").size(), 1U);
+}
+
+TEST_F(FloorPlanRules, libraries_are_forbidden_unless_named) {
+  EXPECT_TRUE(complaints("left", "<opencv2/core/mat.hpp>").empty());
+  EXPECT_TRUE(complaints("top", "<yaml-cpp/yaml.h>").empty());
+  EXPECT_EQ(complaints("left", "<opencv2/video.hpp>"),
+            std::vector<std::string>{"line 2: opencv2/video.hpp is not permitted on this floor"});
+  EXPECT_EQ(complaints("right", "<opencv2/core.hpp>").size(), 1U);
+  EXPECT_EQ(complaints("ground", "<Eigen/Core>").size(), 1U);
+}
+
+}  // namespace
+}  // namespace stillkite::house
