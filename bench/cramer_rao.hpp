@@ -1,0 +1,13 @@
+#pragma once
+
+#include "geometry/rigid_transform.hpp"
+#include "simulation/bench_scene.hpp"
+
+namespace stillkite::bench {
+
+/// Cramer-Rao bound of the twist (velocity, angular rate) from one pair of pictures: inverse of
+/// the sum of (J^T grad)(J^T grad)^T / (2 sigma^2) over every pixel, J the motion field times the
+/// interval, grad that of the noise-free previous picture; the noise of both frames counts.
+[[nodiscard]] Matrix6d cramer_rao_bound(const BenchScene& scene, double noise_grey);
+
+}  // namespace stillkite::bench

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+namespace stillkite::bench {
+
+/// Two frames and the true flow from the first to the second on the first one's grid.
+struct FlowPair {
+  std::string name;
+  cv::Mat previous;  ///< CV_8UC1
+  cv::Mat current;
+  cv::Mat truth_px;  ///< CV_32FC2; NaN where it is not known or leads out of the picture
+};
+
+/// Scenes A and B over a procedural ground, and over each photograph (see simulation/bench_scene).
+[[nodiscard]] std::vector<FlowPair> rendered_pairs(
+    const std::vector<std::filesystem::path>& photographs, double noise_grey, std::uint64_t seed);
+
+/// The pairs of the Middlebury benchmark (Baker et al. 2011) in a folder: a folder each with
+/// frame10.png, frame11.png and flow10.flo. InputError for a file that cannot be read.
+[[nodiscard]] std::vector<FlowPair> middlebury_pairs(const std::filesystem::path& folder);
+
+}  // namespace stillkite::bench
