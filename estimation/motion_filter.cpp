@@ -9,12 +9,23 @@ MotionFilter::MotionFilter(const MotionFilterConfig& config) : config_(config) {
 void MotionFilter::start(const RigidTransform& pose, double velocity_sigma_m_s,
                          double rate_sigma_rad_s) {
   pose_ = pose;
+  P_.setZero();
+  forget_speed(velocity_sigma_m_s, rate_sigma_rad_s);
+}
+
+void MotionFilter::take_as_origin() {
+  P_.topRows<6>().setZero();
+  P_.leftCols<6>().setZero();
+}
+
+void MotionFilter::forget_speed(double velocity_sigma_m_s, double rate_sigma_rad_s) {
   velocity_in_world_.setZero();
   rate_in_camera_.setZero();
   previous_velocity_in_world_.setZero();
   previous_rate_in_camera_.setZero();
   previous_with_predicted_.setZero();
-  P_.setZero();
+  P_.bottomRows<6>().setZero();
+  P_.rightCols<6>().setZero();
   P_.diagonal().segment<3>(6).setConstant(velocity_sigma_m_s * velocity_sigma_m_s);
   P_.diagonal().segment<3>(9).setConstant(rate_sigma_rad_s * rate_sigma_rad_s);
 }

@@ -41,6 +41,12 @@ class MotionFilter {
   /// By a gyro in the camera's axes.
   void update_rate(const Eigen::Vector3d& measured_rate_rad_s, const Eigen::Matrix3d& covariance);
 
+  /// Poses are told relative to this one from now on: it has no error.
+  void take_as_origin();
+
+  /// At rest, as far as the standard deviations say; where, is as uncertain as before.
+  void forget_speed(double velocity_sigma_m_s, double rate_sigma_rad_s);
+
   /// The world was turned and shifted: new = change * old.
   void transform_world(const RigidTransform& change);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "navigation/motion_guess.hpp"
 #include "navigation/picture_texture.hpp"
 #include "navigation/stop_watch.hpp"
 
@@ -90,17 +91,68 @@ NavigationEstimate KeyframeNavigator::start(const Frame& frame, const SensorRead
 }
 
 PlaneAlignment KeyframeNavigator::align() {
-  PlaneAlignment alignment = align_at_speed(track_.filter());
-  if (config_.readout_s > 0 && aligned_++ < kFramesToLearnSpeed) {
+  const PlaneMotion predicted = predicted_motion();
+  const bool is_vague = is_prediction_vague();
+  if (is_vague) aligned_ = 0;
+  const bool learns_speed = aligned_++ < kFramesToLearnSpeed;
+  PlaneAlignment best = align_from(predicted, learns_speed);
+  if (!is_vague && judge(best) != Verdict::lost) return best;
+  PlaneMotion from = predicted;
+  bool is_last = true;
+  for (const PlaneMotion& guess : searched_motions()) {
+    const PlaneAlignment other = align_from(guess, learns_speed);
+    is_last = is_better(other, best);
+    if (!is_last) continue;
+    best = other;
+    from = guess;
+  }
+  // the windows shown are those of the last alignment
+  return is_last ? best : align_from(from, learns_speed);
+}
+
+PlaneMotion KeyframeNavigator::predicted_motion() const {
+  return motion_between(track_.keyframe().world_from_camera, track_.filter().pose());
+}
+
+// An alignment reaches about a pixel of the coarsest level.
+bool KeyframeNavigator::is_prediction_vague() const {
+  const double reach_px = std::exp2(current_.levels() - 1);
+  return prediction_sigma_px(camera_, track_.filter()) > reach_px;
+}
+
+std::vector<PlaneMotion> KeyframeNavigator::searched_motions() const {
+  std::vector<PlaneMotion> out;
+  if (is_bare(coarse(current_))) return out;
+  const int level = current_.levels() - 1;
+  Camera camera = camera_;
+  for (int l = 0; l < level; ++l) camera = half_resolution(camera);
+  const Eigen::Vector3d normal = predicted_motion().normal;
+  const LevelView view = level_view(camera, normal);
+  for (const PictureShift& shift :
+       find_shifts(keyframe_.level(level), current_.level(level), view.homography)) {
+    const auto motions = motions_of(shift, camera, view, normal);
+    out.insert(out.end(), motions.begin(), motions.end());
+  }
+  return out;
+}
+
+bool KeyframeNavigator::is_better(const PlaneAlignment& a, const PlaneAlignment& b) const {
+  if (judge(a) != Verdict::ok) return false;
+  return judge(b) != Verdict::ok || a.correlation > b.correlation;
+}
+
+PlaneAlignment KeyframeNavigator::align_from(const PlaneMotion& guess, bool learns_speed) {
+  PlaneAlignment alignment = align_at_speed(guess, track_.filter());
+  if (config_.readout_s > 0 && learns_speed && alignment.solvable) {
     // the rows' times matter once the speed is known: align again with the speed just seen
-    alignment = align_at_speed(track_.filter_after(alignment));
+    alignment = align_at_speed(guess, track_.filter_after(alignment));
   }
   return alignment;
 }
 
-PlaneAlignment KeyframeNavigator::align_at_speed(const MotionFilter& speed) {
+PlaneAlignment KeyframeNavigator::align_at_speed(const PlaneMotion& guess,
+                                                 const MotionFilter& speed) {
   const PoseEstimate& keyframe = track_.keyframe();
-  const PlaneMotion guess = motion_between(keyframe.world_from_camera, track_.filter().pose());
   const double height_m = keyframe.world_from_camera.translation.z();
   const Twist& then =
       aligned_ <= kFramesToLearnSpeed ? speed.twist_in_camera() : track_.keyframe_twist();
@@ -170,7 +222,10 @@ bool KeyframeNavigator::is_given_up(Verdict verdict, const FrameInterval& interv
     return false;
   }
   ++failures_;
-  const bool patience_ends = interval.is_late || failures_ >= config_.keyframes.give_up_after;
+  // a keyframe to which nothing has aligned yet is no loss while nothing is known of the speed
+  const bool is_worthless = windows_at_keyframe_ == 0 && is_prediction_vague();
+  const bool patience_ends =
+      interval.is_late || is_worthless || failures_ >= config_.keyframes.give_up_after;
   return patience_ends && !is_bare(coarse(current_));
 }
 

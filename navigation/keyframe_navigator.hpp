@@ -26,7 +26,12 @@ class KeyframeNavigator {
  private:
   NavigationEstimate start(const Frame& frame, const SensorReadings& readings);
   [[nodiscard]] PlaneAlignment align();
-  [[nodiscard]] PlaneAlignment align_at_speed(const MotionFilter& speed);
+  [[nodiscard]] PlaneMotion predicted_motion() const;
+  [[nodiscard]] bool is_prediction_vague() const;
+  [[nodiscard]] std::vector<PlaneMotion> searched_motions() const;
+  [[nodiscard]] bool is_better(const PlaneAlignment& a, const PlaneAlignment& b) const;
+  [[nodiscard]] PlaneAlignment align_from(const PlaneMotion& guess, bool learns_speed);
+  [[nodiscard]] PlaneAlignment align_at_speed(const PlaneMotion& guess, const MotionFilter& speed);
   void remember_windows(const FrameInterval& interval);
   [[nodiscard]] Verdict judge(const PlaneAlignment& alignment) const;
   [[nodiscard]] bool is_used_up(const PlaneAlignment& alignment);
@@ -41,7 +46,7 @@ class KeyframeNavigator {
   PoseTrack track_;
   Pyramid current_, keyframe_;
   int windows_at_keyframe_ = 0;
-  int aligned_ = 0;                                   // frames, until the speed is known
+  int aligned_ = 0;                                   // frames since the speed was unknown
   int failures_ = 0;                                  // frames in a row that did not align
   std::vector<float> previous_x_px_, previous_y_px_;  // the windows in the frame before
   bool keyframe_is_previous_ = false;

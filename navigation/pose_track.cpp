@@ -63,12 +63,12 @@ void PoseTrack::predict(double dt_s, const SensorReadings& readings) {
 void PoseTrack::forget_speed() {
   const Matrix6d known = filter_.twist_covariance();
   const Twist twist = filter_.twist_in_camera();
-  beyond_filter_ += filter_.pose_covariance();
-  RigidTransform pose = filter_.pose();
   const double lowest_m = kLowest * keyframe_.pose.world_from_camera.translation.z();
-  pose.translation.z() = std::max(pose.translation.z(), lowest_m);
-  filter_.start(pose, twist.velocity_m_s.norm() + std::sqrt(known.diagonal().head<3>().maxCoeff()),
-                twist.angular_rate_rad_s.norm() + std::sqrt(known.diagonal().tail<3>().maxCoeff()));
+  const double too_low_m = std::max(0.0, lowest_m - filter_.pose().translation.z());
+  filter_.transform_world({Eigen::Quaterniond::Identity(), {0, 0, too_low_m}});
+  filter_.forget_speed(
+      twist.velocity_m_s.norm() + std::sqrt(known.diagonal().head<3>().maxCoeff()),
+      twist.angular_rate_rad_s.norm() + std::sqrt(known.diagonal().tail<3>().maxCoeff()));
 }
 
 MotionFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
@@ -134,6 +134,8 @@ void PoseTrack::take_keyframe() {
   keyframe_.pose = camera_;
   keyframe_twist_ = filter_.twist_in_camera();
   level_from_filter_ = {};
+  // where a keyframe is that nothing measured, no alignment to it tells
+  if (blind_s_ > 0) filter_.take_as_origin();
   beyond_filter_ = camera_.covariance - filter_.pose_covariance();
 }
 

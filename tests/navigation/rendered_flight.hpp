@@ -8,8 +8,7 @@
 
 namespace stillkite::test {
 
-/// A small flight whose answer is known: two seconds at 25 frames/s, 640x360, 40 m high, 12 m
-/// ahead, 2 m aside, 1 m down, rocking by a degree. Filmed once for all tests of a program.
+/// A flight whose answer is known.
 struct RenderedFlight {
   FlightRecord record;
   std::vector<Frame> frames;
@@ -24,6 +23,16 @@ struct RenderedFlight {
   }
 };
 
+inline RenderedFlight film(const SimulationConfig& config, const cv::Mat& photograph = {}) {
+  RenderedFlight made{record_flight(config), {}};
+  film_flight(config, photograph, [&](const Frame& frame) {
+    made.frames.push_back({frame.stamp, frame.index, frame.grey.clone()});
+  });
+  return made;
+}
+
+/// A small one: two seconds at 25 frames/s, 640x360, 40 m high, 12 m ahead, 2 m aside, 1 m down,
+/// rocking by a degree. Filmed once for all tests of a program.
 inline const RenderedFlight& rendered_flight() {
   static const RenderedFlight flight = [] {
     SimulationConfig config;
@@ -39,11 +48,7 @@ inline const RenderedFlight& rendered_flight() {
     config.flight.climb_m = -1;
     config.flight.sway_m = 0.1;
     config.ground.side_texels = 1500;
-    RenderedFlight made{record_flight(config), {}};
-    film_flight(config, {}, [&](const Frame& frame) {
-      made.frames.push_back({frame.stamp, frame.index, frame.grey.clone()});
-    });
-    return made;
+    return film(config);
   }();
   return flight;
 }

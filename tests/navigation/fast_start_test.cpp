@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "rendered_flight.hpp"
+
+namespace stillkite {
+namespace {
+
+struct FastFlight {
+  int width_px, height_px;
+  double flow_px;  // from frame to frame, at the picture's middle
+  double tilt_deg = 0;
+  const char* photograph = nullptr;
+};
+
+void PrintTo(const FastFlight& flight, std::ostream* out) {
+  *out << flight.width_px << "x" << flight.height_px << ", " << flight.flow_px << " px/frame, tilt "
+       << flight.tilt_deg << " deg, " << (flight.photograph ? flight.photograph : "own ground");
+}
+
+SimulationConfig config_of(const FastFlight& flight) {
+  constexpr double kHeight_m = 50;
+  SimulationConfig config;
+  config.camera.width_px = flight.width_px;
+  config.camera.height_px = flight.height_px;
+  config.camera.focal_x_px = config.camera.focal_y_px = 0.65 * flight.width_px;
+  config.camera.centre_x_px = 0.5 * (flight.width_px - 1);
+  config.camera.centre_y_px = 0.5 * (flight.height_px - 1);
+  config.camera.forward_tilt_deg = flight.tilt_deg;
+  config.flight.duration_s = 0.2;
+  config.flight.height_m = kHeight_m;
+  const double distance_m = kHeight_m / std::cos(flight.tilt_deg * M_PI / 180);
+  const double way_m = 5 * flight.flow_px * distance_m / config.camera.focal_x_px;
+  config.flight.forward_m = 0.8 * way_m;
+  config.flight.left_m = 0.6 * way_m;
+  config.flight.climb_m = 0;
+  config.flight.sway_m = 0;
+  config.ground.side_texels = 1500;
+  return config;
+}
+
+class FastStart : public testing::TestWithParam<FastFlight> {};
+
+TEST_P(FastStart, SeesItsSpeedFromTheSecondFrameOn) {
+  SimulationConfig config = config_of(GetParam());
+  cv::Mat photograph;
+  if (GetParam().photograph != nullptr) {
+    const char* data = std::getenv("STILLKITE_DATA");
+    if (data == nullptr) GTEST_SKIP() << "STILLKITE_DATA is not set";
+    config.ground.photograph =
+        std::filesystem::path(data) / "ground_photos" / GetParam().photograph;
+    photograph = cv::imread(config.ground.photograph->string(), cv::IMREAD_GRAYSCALE);
+    ASSERT_FALSE(photograph.empty());
+  }
+  const test::RenderedFlight flight = test::film(config, photograph);
+  const auto estimates = test::fly(flight.navigator(), flight.frames);
+  for (std::size_t i = 1; i < estimates.size(); ++i) {
+    ASSERT_EQ(estimates[i].verdict, Verdict::ok) << i;
+    const Twist& truth = flight.record.twists_in_camera[i - 1].twist;
+    EXPECT_LT((estimates[i].twist_in_camera.velocity_m_s - truth.velocity_m_s).norm(),
+              0.03 * truth.velocity_m_s.norm())
+        << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Navigator, FastStart,
+                         testing::Values(FastFlight{320, 240, 20}, FastFlight{320, 240, 70},
+                                         FastFlight{320, 240, 40, 30}, FastFlight{640, 480, 70},
+                                         FastFlight{640, 480, 100, 30}, FastFlight{1280, 720, 80},
+                                         FastFlight{320, 240, 40, 0, "forest.jpg"},
+                                         FastFlight{640, 480, 100, 30, "shore_a.jpg"},
+                                         FastFlight{640, 480, 70, 0, "field_weak_texture.jpg"}));
+
+// Half a second of a flight is missing: 3 m at 40 m, which the speed foretells.
+TEST(Gap, IsBridgedByTheSpeedAndTheNextFrameAligns) {
+  const auto& flight = test::rendered_flight();
+  Navigator navigator = flight.navigator();
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    if (i >= 15 && i < 28) continue;
+    const NavigationEstimate e = navigator.step(flight.frames[i]);
+    if (i == 0) continue;
+    EXPECT_EQ(e.verdict, Verdict::ok) << i;
+    EXPECT_LT((e.world_from_body.translation - flight.truth(i).translation).norm(), 0.05) << i;
+  }
+}
+
+// Another place from one frame to the next: what was seen of it before says nothing of it now, and
+// the first pair of it does.
+TEST(Cut, IsRefusedAndThenTheNewPlaceIsFollowed) {
+  const auto& flight = test::rendered_flight();
+  Navigator navigator = flight.navigator();
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    Frame frame = flight.frames[i];
+    if (i >= 20) {
+      cv::Mat elsewhere;
+      cv::rotate(frame.grey, elsewhere, cv::ROTATE_180);
+      frame.grey = elsewhere;
+    }
+    const NavigationEstimate e = navigator.step(frame);
+    if (i >= 20 && i < 24) {
+      EXPECT_EQ(e.verdict, Verdict::lost) << i;
+    } else if (i >= 27) {
+      EXPECT_EQ(e.verdict, Verdict::ok) << i;
+      // upside down, it flies backwards
+      const Twist& truth = flight.record.twists_in_camera[i - 1].twist;
+      EXPECT_LT((e.twist_in_camera.velocity_m_s.head<2>() + truth.velocity_m_s.head<2>()).norm(),
+                0.05 * truth.velocity_m_s.norm())
+          << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stillkite
