@@ -15,17 +15,15 @@ PlaneMotion motion_between(const RigidTransform& world_from_keyframe,
           .normal = ground.normal_in_camera};
 }
 
-TiltPrior tilt_prior(const PoseEstimate& keyframe, double translation_heights,
-                     const LevellingConfig& config) {
+TiltPrior tilt_prior(const PoseEstimate& keyframe, const LevellingConfig& config) {
   // world x and y in the camera; a turn of the normal by +a there is an attitude error of -a
   TiltPrior prior;
   prior.axes = keyframe.world_from_camera.rotation.conjugate().toRotationMatrix().leftCols<2>();
   if (config.enabled) {
     const double slope = config.ground_slope_sigma_rad;
-    const double apparent = config.flow_sigma_rad / std::max(translation_heights, 1e-3);
-    prior.covariance =
-        keyframe.covariance.block<2, 2>(3, 3) +
-        std::max(slope * slope + apparent * apparent, 1e-12) * Eigen::Matrix2d::Identity();
+    prior.covariance = keyframe.covariance.block<2, 2>(3, 3) +
+                       std::max(slope * slope, 1e-12) * Eigen::Matrix2d::Identity();
+    prior.flow_sigma_rad = config.flow_sigma_rad;
   }
   return prior;
 }
@@ -42,8 +40,7 @@ ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
   ChainedPose out;
   out.keyframe = keyframe;
   Matrix62 K = Matrix62::Zero();
-  if (const TiltPrior prior = tilt_prior(keyframe, alignment.guessed_translation, config);
-      prior.covariance) {
+  if (const TiltPrior prior = tilt_prior(keyframe, config); prior.covariance) {
     const Matrix62 cross = -keyframe.covariance.middleCols<2>(3);
     const Eigen::LDLT<Eigen::Matrix2d> S(*prior.covariance);
     K = S.solve(cross.transpose()).transpose();
@@ -75,7 +72,9 @@ ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
   out.relative_covariance = by_alignment * relative * by_alignment.transpose();
   const Matrix6d mixed = by_keyframe * (K * tilt_with_relative) * by_alignment.transpose();
   const Matrix6d sum = by_keyframe * out.keyframe.covariance * by_keyframe.transpose() +
-                       out.relative_covariance + mixed + mixed.transpose();
+                       out.relative_covariance +
+                       by_alignment * alignment.smooth_covariance * by_alignment.transpose() +
+                       mixed + mixed.transpose();
   out.camera.covariance = 0.5 * (sum + sum.transpose());
   return out;
 }

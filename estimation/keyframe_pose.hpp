@@ -15,7 +15,7 @@ struct PoseEstimate {
 struct LevellingConfig {
   bool enabled = true;
   double ground_slope_sigma_rad = 0.0005;
-  double flow_sigma_rad = 1e-4;
+  double flow_sigma_rad = 1e-5;
 
   static void fields(auto& self, auto&& field) {
     field("enabled", self.enabled, "correct roll and pitch by the ground's normal");
@@ -30,10 +30,8 @@ struct LevellingConfig {
 [[nodiscard]] PlaneMotion motion_between(const RigidTransform& world_from_keyframe,
                                          const RigidTransform& world_from_camera);
 
-/// The normal is as uncertain as the keyframe's tilt, plus the slope of the ground, plus what a
-/// smooth error of the flow looks like after a translation of so many heights.
-[[nodiscard]] TiltPrior tilt_prior(const PoseEstimate& keyframe, double translation_heights,
-                                   const LevellingConfig& config);
+/// The normal is as uncertain as the keyframe's tilt, plus the slope of the ground.
+[[nodiscard]] TiltPrior tilt_prior(const PoseEstimate& keyframe, const LevellingConfig& config);
 
 /// What an alignment to a keyframe says of both poses.
 struct ChainedPose {

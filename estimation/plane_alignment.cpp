@@ -54,7 +54,7 @@ PlaneObservations PlaneAligner::observations(const Level& level) const {
 PlaneAlignment PlaneAligner::align(const Pyramid& reference, const Pyramid& current,
                                    const PlaneMotion& guess, const TiltPrior& tilt,
                                    const RollingShutter& shutter) {
-  PlaneAlignment out{.motion = guess, .guessed_translation = guess.translation.norm()};
+  PlaneAlignment out{.motion = guess};
   const int levels =
       std::min({static_cast<int>(levels_.size()), reference.levels(), current.levels()});
   PlaneSolution solution;
@@ -172,6 +172,7 @@ void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
   out.residual_px = solver_.residual_px(seen);
   out.covariance = solver_.covariance(seen, solution);
   const Matrix6d A = solution.information.topLeftCorner<6, 6>();
+  out.smooth_covariance = (solution.tilt_deflation - 1) * A.ldlt().solve(Matrix6d::Identity());
   const Vector6d scale = A.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * A * scale.asDiagonal(),
                                                       Eigen::EigenvaluesOnly);

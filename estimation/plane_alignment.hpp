@@ -40,10 +40,10 @@ struct RollingShutter {
 
 /// The motion that explains the images, and what it is worth.
 struct PlaneAlignment {
-  PlaneMotion motion;              ///< with the corrected normal
-  double guessed_translation = 0;  ///< heights; what the tilt's prior was made with
+  PlaneMotion motion;                                        ///< with the corrected normal
   PlaneMotionMatrix covariance = PlaneMotionMatrix::Zero();  ///< cluster-robust; dt in heights
-  Eigen::Vector2d tilt_rad = Eigen::Vector2d::Zero();        ///< the normal's turn from its prior
+  Matrix6d smooth_covariance = Matrix6d::Zero();  ///< by smooth errors of the flow; dt in heights
+  Eigen::Vector2d tilt_rad = Eigen::Vector2d::Zero();  ///< the normal's turn from its prior
 
   bool solvable = false;      ///< false: too little was seen, the motion is the guess
   int windows = 0;            ///< with texture, on both images

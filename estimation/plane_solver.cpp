@@ -41,17 +41,31 @@ struct ScaledSolver {
   }
 };
 
+// A smooth error of the flow looks like a turn of all bearings by so much, whatever the number of
+// windows. What it feigns of the tilt is larger, the less the tilt's own pattern of flow differs
+// from that of a motion: in a climb, hardly at all.
+double tilt_deflation(const PlaneMotionMatrix& information, double flow_sigma_rad) {
+  const double of_a_turn = 0.5 * (information(3, 3) + information(4, 4));
+  return 1 + flow_sigma_rad * flow_sigma_rad * of_a_turn;
+}
+
+// What the windows say of the tilt once the motion is taken out.
+Eigen::Matrix2d tilt_alone(const PlaneMotionMatrix& information) {
+  const Eigen::Matrix<double, 6, 2> with_motion = information.topRightCorner<6, 2>();
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> motion(information.topLeftCorner<6, 6>());
+  return information.bottomRightCorner<2, 2>() -
+         with_motion.transpose() * motion.solve(with_motion);
+}
+
 }  // namespace
 
 PlaneSolution PlaneSolver::solve(const PlaneObservations& seen, const TiltPrior& tilt,
                                  const Eigen::Vector2d& tilt_now) {
   PlaneSolution best;
-  PlaneMotionStep prior_gradient = PlaneMotionStep::Zero();
+  Eigen::Matrix2d tilt_information = Eigen::Matrix2d::Zero();
   if (tilt.covariance) {
     best.parameters = 8;
-    best.prior.bottomRightCorner<2, 2>() =
-        tilt.covariance->ldlt().solve(Eigen::Matrix2d::Identity());
-    prior_gradient.tail<2>() = -best.prior.bottomRightCorner<2, 2>() * tilt_now;
+    tilt_information = tilt.covariance->ldlt().solve(Eigen::Matrix2d::Identity());
   }
   const int n = best.parameters;
   const auto count = static_cast<std::size_t>(seen.jacobian.count);
@@ -75,8 +89,15 @@ PlaneSolution PlaneSolver::solve(const PlaneObservations& seen, const TiltPrior&
       }
     }
     const NormalEquations sum = accumulate(seen.jacobian, seen.measurements, weights_);
-    best.information = sum.information / best.noise_variance + best.prior;
-    const PlaneMotionStep gradient = sum.gradient / best.noise_variance + prior_gradient;
+    best.information = sum.information / best.noise_variance;
+    PlaneMotionStep gradient = sum.gradient / best.noise_variance;
+    if (tilt.covariance) {
+      // instead of less weight to the windows, more to the prior: the motion keeps its precision
+      best.tilt_deflation = tilt_deflation(best.information, tilt.flow_sigma_rad);
+      best.prior.bottomRightCorner<2, 2>() = best.tilt_deflation * tilt_information;
+      best.information += best.prior;
+      gradient.tail<2>() -= best.prior.bottomRightCorner<2, 2>() * tilt_now;
+    }
     const ScaledSolver A(best.information.topLeftCorner(n, n));
     if (A.singular()) return best;
     const SmallMatrix step = A.solve(gradient.head(n));
@@ -116,7 +137,12 @@ PlaneMotionMatrix PlaneSolver::covariance(const PlaneObservations& seen,
   }
   const int n = solution.parameters;
   scatter *= clusters > n ? static_cast<double>(clusters) / (clusters - n) : n;
-  scatter += solution.prior;
+  if (n == 8) {
+    const double k = solution.tilt_deflation;
+    scatter += k * solution.prior;
+    scatter.bottomRightCorner<2, 2>() +=
+        (k - 1) * tilt_alone(solution.information - solution.prior);
+  }
   const ScaledSolver A(solution.information.topLeftCorner(n, n));
   PlaneMotionMatrix covariance = PlaneMotionMatrix::Zero();
   const SmallMatrix half = A.solve(scatter.topLeftCorner(n, n));

@@ -15,6 +15,7 @@ namespace stillkite {
 struct TiltPrior {
   TiltAxes axes = TiltAxes::Identity();
   std::optional<Eigen::Matrix2d> covariance;  ///< rad^2; nothing: the normal is known exactly
+  double flow_sigma_rad = 0;  ///< smooth error of the flow that no window's residual betrays
 };
 
 struct PlaneSolverConfig {
@@ -52,6 +53,7 @@ struct PlaneSolution {
   PlaneMotionStep step = PlaneMotionStep::Zero();
   PlaneMotionMatrix information = PlaneMotionMatrix::Zero();  ///< prior included
   PlaneMotionMatrix prior = PlaneMotionMatrix::Zero();
+  double tilt_deflation = 1;  ///< how many times less the windows say of the tilt than it seems
   int parameters = 6;         ///< 6, or 8 with the tilt
   double noise_variance = 1;  ///< of a pixel's residual, grey^2, from the median window
   bool ok = false;            ///< false: too few textured windows, or a singular system

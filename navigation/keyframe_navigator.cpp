@@ -158,8 +158,8 @@ PlaneAlignment KeyframeNavigator::align_at_speed(const PlaneMotion& guess,
       aligned_ <= kFramesToLearnSpeed ? speed.twist_in_camera() : track_.keyframe_twist();
   const RollingShutter shutter{config_.readout_s, in_heights(then, height_m),
                                in_heights(speed.twist_in_camera(), height_m)};
-  return aligner_.align(keyframe_, current_, guess,
-                        tilt_prior(keyframe, guess.translation.norm(), config_.levelling), shutter);
+  return aligner_.align(keyframe_, current_, guess, tilt_prior(keyframe, config_.levelling),
+                        shutter);
 }
 
 Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {

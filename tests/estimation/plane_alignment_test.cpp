@@ -145,14 +145,38 @@ TEST(PlaneAlignment, translation_shows_the_tilt_of_the_ground) {
                               1e-3 * Matrix6d::Identity()};
   const RigidTransform guess{off * moved.rotation, moved.translation};
   const LevellingConfig levelling{.ground_slope_sigma_rad = 0, .flow_sigma_rad = 0};
-  const PlaneAlignment found = align(camera, picture(camera, kFirst), picture(camera, moved),
-                                     motion_between(believed.world_from_camera, guess),
-                                     tilt_prior(believed, 0.25, levelling));
+  const PlaneAlignment found =
+      align(camera, picture(camera, kFirst), picture(camera, moved),
+            motion_between(believed.world_from_camera, guess), tilt_prior(believed, levelling));
   const ChainedPose chained = chain(believed, found, levelling);
   EXPECT_LT(angle_between_rad(chained.keyframe.world_from_camera.rotation, kFirst.rotation),
             0.1 * wrong);
   EXPECT_LT(angle_between_rad(chained.camera.world_from_camera.rotation, moved.rotation),
             0.1 * wrong);
+}
+
+// A climb differs from a climb under another tilt in second order only: what an error of the lens
+// can feign as well must not count as knowledge. Translation along the ground still shows it.
+TEST(PlaneAlignment, a_climb_says_little_of_the_tilt_where_the_flow_may_err) {
+  const Camera camera = lens(DistortionModel::none);
+  const double tilt_sigma = 0.02;
+  const auto tilt_sigma_after = [&](const RigidTransform& moved, double flow_sigma_rad) {
+    TiltPrior prior;
+    prior.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>();
+    prior.covariance = tilt_sigma * tilt_sigma * Eigen::Matrix2d::Identity();
+    prior.flow_sigma_rad = flow_sigma_rad;
+    const PlaneAlignment found = align(camera, picture(camera, kFirst), picture(camera, moved),
+                                       motion_between(kFirst, moved), prior);
+    EXPECT_LT(shift_error(found.motion, motion_between(kFirst, moved)), 2e-3);
+    return std::sqrt(found.covariance.bottomRightCorner<2, 2>().diagonal().maxCoeff());
+  };
+  RigidTransform higher = kFirst, aside = kFirst;
+  higher.translation.z() *= 1.15;
+  aside.translation.y() += 0.3 * kFirst.translation.z();
+  EXPECT_LT(tilt_sigma_after(higher, 0), 0.7 * tilt_sigma);
+  EXPECT_GT(tilt_sigma_after(higher, 1e-3), 0.98 * tilt_sigma);
+  EXPECT_LT(tilt_sigma_after(higher, 1e-3), 1.01 * tilt_sigma);
+  EXPECT_LT(tilt_sigma_after(aside, 1e-3), 0.9 * tilt_sigma);
 }
 
 TEST(PlaneAlignment, a_rolling_shutter_is_undone_by_its_readout_time) {
