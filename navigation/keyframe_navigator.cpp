@@ -66,6 +66,10 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   // 5. Chain it to the keyframe, level both by the plane's normal and filter; or stay as predicted.
   if (verdict == Verdict::ok) {
     track_.accept(alignment, readings, frame.stamp);
+    // a keyframe taken before the speed was known had it all the same; its rows need it
+    if (aligned_ <= kFramesToLearnSpeed) {
+      track_.assume_keyframe_twist(track_.filter().twist_in_camera());
+    }
   } else {
     track_.coast(readings, frame.stamp);
   }

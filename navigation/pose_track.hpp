@@ -29,6 +29,9 @@ class PoseTrack {
   /// The camera as predicted: this frame measured nothing.
   void coast(const SensorReadings& readings, Timestamp now);
 
+  /// What the camera's motion must have been at a keyframe that was taken before it was known.
+  void assume_keyframe_twist(const Twist& twist) { keyframe_twist_ = twist; }
+
   /// This frame, wherever it is, is the keyframe.
   void take_keyframe();
 
