@@ -97,6 +97,9 @@ void read_truth(const RunConfig& config, const std::optional<EurocDataset>& data
   }
   if (!file) return;
   inputs.truth = read_trajectory(*file);
+  for (StampedPose& pose : inputs.truth) {
+    pose.world_from_body.translation.z() -= config.truth.ground_z_m;
+  }
   if (dataset && dataset->camera_twists && file == dataset->truth) {
     inputs.twists_in_camera = read_twists(*dataset->camera_twists);
   }

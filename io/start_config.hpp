@@ -21,9 +21,12 @@ struct EnumNames<HeightSource> {
 
 struct TruthConfig {
   std::optional<std::filesystem::path> path;
+  double ground_z_m = 0;
 
   static void fields(auto& self, auto&& field) {
     field("path", self.path, "EuRoC or TUM trajectory; without it the data set's own, if any");
+    field("ground_z_m", self.ground_z_m, kAny,
+          "where the ground is in the truth's world; ours has it at z = 0");
   }
 };
 

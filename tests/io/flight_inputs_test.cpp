@@ -54,6 +54,10 @@ TEST_F(Inputs, TheStartIsTheTruthAtTheFirstFrame) {
   EXPECT_LT((inputs.initial.world_from_body.translation - Eigen::Vector3d(1, 2, 15)).norm(), 1e-12);
   EXPECT_EQ(inputs.truth.size(), 2u);
 
+  config.truth.ground_z_m = 2.5;
+  EXPECT_EQ(read().initial.world_from_body.translation.z(), 12.5);
+  EXPECT_EQ(read().truth[1].world_from_body.translation.z(), 17.5);
+
   first.stamp = from_seconds(0.5);
   EXPECT_EQ(error(),
             "initial.from_truth: the truth's stamps are 1 s to 2 s, the first frame's is 0.5 s; "

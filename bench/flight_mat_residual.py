@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""What is left of the error on flight_mat, split into truth, shutter, calibration and start.
+
+Runs configs/flight_mat.yaml with one thing changed at a time and prints the median absolute
+errors and the correlations; then the height of the mat that flow and true speeds agree on.
+STILLKITE_DATA names the folder with flight_mat.
+"""
+
+import csv
+import math
+import os
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+COMMAND = ROOT / "build/release/app/stillkite"
+AXES = ("vx", "vy", "vz", "wx", "wy", "wz")
+FIRST_CLIMB = 200  # frames
+
+
+def read_rows(path):
+    with open(path) as file:
+        return [row for row in csv.reader(file) if row and not row[0].startswith("#")]
+
+
+def run(out, *changes):
+    """estimates.csv as dictionaries, one a frame."""
+    arguments = [COMMAND, "run", ROOT / "configs/flight_mat.yaml", "--out", out]
+    for change in changes:
+        arguments += ["--set", change]
+    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"flight_mat_residual: {done.stderr.strip()}")
+    with open(out / "estimates.csv") as file:
+        return list(csv.DictReader(file))
+
+
+def smaller_focal_length(data, factor):
+    """The data set's calibration as --set arguments, its focal length changed."""
+    text = (data / "mav0/cam0/sensor.yaml").read_text()
+
+    def numbers(key):
+        return [float(v) for v in re.search(key + r":\s*\[(.*?)\]", text).group(1).split(",")]
+
+    focal_x, focal_y, centre_x, centre_y = numbers("intrinsics")
+    width, height = numbers("resolution")
+    camera = {"width_px": int(width), "height_px": int(height), "focal_x_px": factor * focal_x,
+              "focal_y_px": factor * focal_y, "centre_x_px": centre_x, "centre_y_px": centre_y,
+              "distortion": "radial-tangential", "coefficients": numbers("distortion_coefficients")}
+    return [f"calibration.camera.{k}={v}" for k, v in camera.items()] + ["mount.rotation_wxyz=[1,0,0,0]"]
+
+
+def column(rows, axis):
+    unit = "m/s" if axis[0] == "v" else "rad/s"
+    return [float(row[f"{axis}_camera [{unit}]"] or "nan") for row in rows]
+
+
+def pairs_of(rows, truth, axis, first_frame):
+    """(estimate, truth) of the frames that have both."""
+    stamps = [int(row["#timestamp [ns]"]) for row in rows]
+    both = [(e, truth[t][AXES.index(axis)]) for e, t in zip(column(rows, axis), stamps) if t in truth]
+    return [(e, t) for e, t in both[first_frame:] if math.isfinite(e)]
+
+
+def print_row(name, rows, truth, first_frame=0):
+    errors, correlations = [], []
+    for axis in AXES:
+        pairs = pairs_of(rows, truth, axis, first_frame)
+        errors.append(statistics.median(abs(e - t) for e, t in pairs))
+        correlations.append(statistics.correlation(*zip(*pairs)))
+    values = ["/".join(f"{v:.3f}" for v in part)
+              for part in (errors[:3], errors[3:], correlations[:3])]
+    print(f"{name:44}" + "".join(f"{v:21}" for v in values), flush=True)
+
+
+def mat_height(rows, truth, poses, axis):
+    """c and gain of true speed = gain * (z - c) * rate, the rate in heights/s from the flow alone.
+
+    Linear in gain and gain * c; reweighted least squares, for some frames are far off."""
+    samples = []
+    for row, speed in zip(rows, column(rows, axis)):
+        stamp = int(row["#timestamp [ns]"])
+        if stamp in truth and stamp in poses and math.isfinite(speed):
+            rate = speed / float(row["z [m]"])
+            samples.append((poses[stamp] * rate, -rate, truth[stamp][AXES.index(axis)]))
+    weights = [1.0] * len(samples)
+    for _ in range(10):
+        aa = sum(w * a * a for w, (a, b, y) in zip(weights, samples))
+        ab = sum(w * a * b for w, (a, b, y) in zip(weights, samples))
+        bb = sum(w * b * b for w, (a, b, y) in zip(weights, samples))
+        ay = sum(w * a * y for w, (a, b, y) in zip(weights, samples))
+        by = sum(w * b * y for w, (a, b, y) in zip(weights, samples))
+        determinant = aa * bb - ab * ab
+        gain, offset = (ay * bb - by * ab) / determinant, (aa * by - ab * ay) / determinant
+        residuals = [y - gain * a - offset * b for a, b, y in samples]
+        scale = 1.4826 * statistics.median(abs(r) for r in residuals)
+        weights = [1 / (1 + (r / (2 * scale)) ** 2) for r in residuals]
+    return offset / gain, gain
+
+
+def main():
+    if len(sys.argv) > 1:
+        sys.exit(__doc__.strip())
+    if "STILLKITE_DATA" not in os.environ:
+        sys.exit("flight_mat_residual: STILLKITE_DATA is not set; it names the folder with flight_mat")
+    data = pathlib.Path(os.environ["STILLKITE_DATA"]) / "flight_mat"
+    truth = {int(r[0]): [float(v) for v in r[1:7]] for r in read_rows(data / "velocity.csv")}
+    poses = {int(r[0]): float(r[3])
+             for r in read_rows(data / "mav0/state_groundtruth_estimate0/data.csv")}
+    print(f"{'':44}{'m/s':21}{'rad/s':21}{'correlation (v)':21}")
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "run"
+        configured = run(out)
+        print_row("as configured", configured, truth)
+        print_row("  frames 200 on, after the first climb", configured, truth, FIRST_CLIMB)
+        print_row("truth: the mat at its z = 0", run(out, "truth.ground_z_m=0"), truth)
+        print_row("images: no rolling shutter", run(out, "navigator.readout_s=0"), truth)
+        for factor in (0.97, 1.03):
+            changed = run(out, *smaller_focal_length(data, factor))
+            print_row(f"calibration: focal length times {factor}", changed, truth)
+    print("\nmat over the truth's z = 0, from true speed = gain (z - c) x rate")
+    for axis in AXES[:3]:
+        height, gain = mat_height(configured, truth, poses, axis)
+        print(f"  {axis}: c = {1000 * height:.0f} mm, gain {gain:.3f}")
+
+
+if __name__ == "__main__":
+    main()
