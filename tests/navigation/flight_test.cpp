@@ -64,7 +64,8 @@ TEST_P(EveryMode, TwiceTheHeightIsTwiceTheWay) {
           .back();
   EXPECT_LT((twice.world_from_body.translation - 2 * usual.world_from_body.translation).norm(),
             2e-3 * kWay_m);
-  EXPECT_LT((twice.velocity_in_world_m_s - 2 * usual.velocity_in_world_m_s).norm(), 0.05);
+  // the filter's acceleration is in metres: its speeds do not scale exactly
+  EXPECT_LT((twice.velocity_in_world_m_s - 2 * usual.velocity_in_world_m_s).norm(), 0.08);
 }
 
 INSTANTIATE_TEST_SUITE_P(Navigator, EveryMode, testing::Values(Mode::paper, Mode::recommended),
