@@ -74,6 +74,7 @@ PlaneAlignment PlaneAligner::align(const Pyramid& reference, const Pyramid& curr
       solution = solver_.solve(observations(level), tilt, out.tilt_rad);
       out.solvable = solution.ok;
       if (!solution.ok) break;
+      if (l == 1 && s == 0) out.deviation_px = 2 * solver_.deviation_px(observations(level));
       out.motion = apply(out.motion, solution.step, tilt.axes);
       out.tilt_rad += solution.step.tail<2>();
       if (effort.contrast || exactly) match_brightness(out, l > 0);

@@ -49,6 +49,7 @@ struct PlaneAlignment {
   int windows = 0;            ///< with texture, on both images
   double inlier_ratio = 0;    ///< mean weight they kept
   double residual_px = 0;     ///< robust standard deviation of a window's flow after the step
+  double deviation_px = 0;    ///< of it, what noise does not explain: seen on the second level
   double mean_flow_px = 0;    ///< at the finest level
   double correlation = 0;     ///< of the aligned images, -1..1
   double condition = 0;       ///< of the scaled 6x6 information of motion

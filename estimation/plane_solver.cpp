@@ -159,4 +159,24 @@ double PlaneSolver::residual_px(const PlaneObservations& seen) {
   return std::sqrt(2 * median_of(scratch_) / kMedianChi2);
 }
 
+double PlaneSolver::deviation_px(const PlaneObservations& seen) {
+  const TileMeasurements& m = seen.measurements;
+  const float floor = seen.textured();
+  const std::size_t stride = 1 + chi2_.size() / kEnoughForMedian;
+  std::vector<float> explained, noise;
+  for (std::size_t i = 0; i < chi2_.size(); i += stride) {
+    if (!(seen.trace(i) > floor)) continue;
+    const float xx = m.gxx[i] + floor, yy = m.gyy[i] + floor, xy = m.gxy[i];
+    const float by_own_flow =
+        (yy * m.gx[i] * m.gx[i] + xx * m.gy[i] * m.gy[i] - 2 * xy * m.gx[i] * m.gy[i]) /
+        (xx * yy - xy * xy);
+    // a window's mean and its own flow are three unknowns
+    noise.push_back(std::max(0.0F, m.residual[i] - by_own_flow) / (seen.pixels - 3));
+    explained.push_back(chi2_[i]);
+  }
+  const double variance = median_of(explained) / kMedianChi2;
+  if (!(variance > 0)) return 0;
+  return residual_px(seen) * std::sqrt(std::max(0.0, 1 - median_of(noise) / variance));
+}
+
 }  // namespace stillkite

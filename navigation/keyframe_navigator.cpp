@@ -141,7 +141,7 @@ std::vector<PlaneMotion> KeyframeNavigator::searched_motions() const {
 }
 
 bool KeyframeNavigator::is_better(const PlaneAlignment& a, const PlaneAlignment& b) const {
-  if (judge(a) != Verdict::ok) return false;
+  if (judge(a) != Verdict::ok || a.correlation < config_.trust.min_found_correlation) return false;
   return judge(b) != Verdict::ok || a.correlation > b.correlation;
 }
 
@@ -180,7 +180,12 @@ Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {
     return is_bare(coarse(current_)) ? Verdict::too_little_texture : Verdict::lost;
   }
   if (!(alignment.condition < trust.max_condition)) return Verdict::ill_conditioned;
-  if (alignment.inlier_ratio < trust.min_inlier_ratio) return Verdict::too_few_inliers;
+  // relief, lens and shutter part the windows as the picture moves; water does where it is
+  const double may_deviate_px =
+      trust.max_deviation_px + trust.max_deviation_ratio * alignment.mean_flow_px;
+  const bool is_rigid =
+      alignment.correlation >= trust.rigid_correlation || alignment.deviation_px <= may_deviate_px;
+  if (!is_rigid || alignment.inlier_ratio < trust.min_inlier_ratio) return Verdict::too_few_inliers;
   return Verdict::ok;
 }
 

@@ -38,6 +38,10 @@ struct TrustConfig {
   int min_windows = 12;
   double min_inlier_ratio = 0.4;
   double min_correlation = 0.5;
+  double min_found_correlation = 0.75;
+  double max_deviation_px = 0.12;
+  double max_deviation_ratio = 0.025;
+  double rigid_correlation = 0.975;
   double max_last_update_px = 1.0;
   double max_condition = 1e7;
   double min_ground_ratio = 0.1;
@@ -47,6 +51,14 @@ struct TrustConfig {
     field("min_windows", self.min_windows, Range{1, 100000}, "windows with texture");
     field("min_inlier_ratio", self.min_inlier_ratio, Range{0, 1}, "weight kept by those windows");
     field("min_correlation", self.min_correlation, Range{-1, 1}, "of the aligned pictures");
+    field("min_found_correlation", self.min_found_correlation, Range{-1, 1},
+          "of pictures aligned from a place that was searched, not foretold: who tries often errs");
+    field("max_deviation_px", self.max_deviation_px, kPositive,
+          "of the windows from the one motion, beyond the noise, however little has moved");
+    field("max_deviation_ratio", self.max_deviation_ratio, kNotNegative,
+          "the same, for every pixel of mean flow since the keyframe");
+    field("rigid_correlation", self.rigid_correlation, Range{-1, 1},
+          "of the aligned pictures, from which on windows may deviate: the ground is rigid");
     field("max_last_update_px", self.max_last_update_px, kPositive,
           "change of the windows' places in the last step, rms");
     field("max_condition", self.max_condition, Range{.min = 1}, "of the scaled information");

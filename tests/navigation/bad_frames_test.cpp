@@ -203,8 +203,55 @@ TEST(BadFrame, StepOfExposureIsSurvived) {
   EXPECT_LT((e.world_from_body.translation - truth.translation).norm(), 0.05);
 }
 
-// A drone over surf: there is no truth, but whatever the waves do, no number may break.
-TEST(BadFrame, MovingWaterBreaksNothing) {
+// Every window of a ground that moves by itself goes its own way.
+TEST(MovingGround, IsNotTakenForMotion) {
+  const cv::Mat still = rendered_flight().frames[0].grey;
+  Navigator navigator = rendered_flight().navigator();
+  cv::RNG random(3);
+  for (int i = 0; i < 20; ++i) {
+    cv::Mat x, y, waves(still.rows / 40, still.cols / 40, CV_32FC2);
+    random.fill(waves, cv::RNG::NORMAL, 0, 1.0);
+    cv::resize(waves, waves, still.size(), 0, 0, cv::INTER_CUBIC);
+    for (int row = 0; row < waves.rows; ++row) {
+      for (int column = 0; column < waves.cols; ++column) {
+        waves.at<cv::Vec2f>(row, column) +=
+            cv::Vec2f(static_cast<float>(column), static_cast<float>(row));
+      }
+    }
+    cv::Mat grey;
+    cv::remap(still, grey, waves, {}, cv::INTER_CUBIC, cv::BORDER_REFLECT);
+    const NavigationEstimate e = navigator.step({from_seconds(0.04 * i), i, grey});
+    ASSERT_TRUE(is_finite(e));
+    if (i > 0) {
+      EXPECT_EQ(e.verdict, Verdict::too_few_inliers) << i;
+    }
+  }
+}
+
+// Hills of 3 m under 30 m are rigid: what parts the windows is the camera's way.
+TEST(MovingGround, ReliefIsNone) {
+  SimulationConfig config;
+  config.camera.width_px = 640;
+  config.camera.height_px = 360;
+  config.camera.focal_x_px = config.camera.focal_y_px = 400;
+  config.camera.centre_x_px = 319.5;
+  config.camera.centre_y_px = 179.5;
+  config.flight.duration_s = 1;
+  config.flight.height_m = 30;
+  config.flight.forward_m = 8;
+  config.flight.left_m = 0;
+  config.flight.climb_m = 0;
+  config.flight.sway_m = 0;
+  config.ground.side_texels = 1500;
+  config.ground.relief.amplitude_m = 3;
+  config.ground.relief.correlation_length_m = 15;
+  const test::RenderedFlight flight = test::film(config);
+  const auto estimates = test::fly(flight.navigator(), flight.frames);
+  for (std::size_t i = 1; i < estimates.size(); ++i) EXPECT_EQ(estimates[i].verdict, Verdict::ok);
+}
+
+// A drone over surf, at full size and at half of it: there is no truth, but waves are no ground.
+TEST(MovingGround, SurfIsRefused) {
   const char* data = std::getenv("STILLKITE_DATA");
   if (data == nullptr) GTEST_SKIP() << "STILLKITE_DATA is not set";
   const std::filesystem::path folder = std::filesystem::path(data) / "surf";
@@ -213,16 +260,20 @@ TEST(BadFrame, MovingWaterBreaksNothing) {
     if (entry.path().extension() == ".jpg") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
-  const Camera camera{1920, 1080, 1400, 1400, 959.5, 539.5};
+  const Camera full{1920, 1080, 1400, 1400, 959.5, 539.5};
   const RigidTransform mount = rendered_flight().record.body_from_camera;
   const InitialState start{{Eigen::Quaterniond::Identity(), {0, 0, 100}},
                            ScaleSource::initial_height};
-  Navigator navigator(camera, mount, {}, start);
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const NavigationEstimate e =
-        navigator.step({from_seconds(0.1 * static_cast<double>(i)), static_cast<std::int64_t>(i),
-                        cv::imread(files[i].string(), cv::IMREAD_GRAYSCALE)});
-    ASSERT_TRUE(is_finite(e));
+  for (const bool halved : {false, true}) {
+    Navigator navigator(halved ? half_resolution(full) : full, mount, {}, start);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      cv::Mat grey = cv::imread(files[i].string(), cv::IMREAD_GRAYSCALE);
+      if (halved) cv::resize(grey, grey, {}, 0.5, 0.5, cv::INTER_AREA);
+      const NavigationEstimate e = navigator.step(
+          {from_seconds(0.1 * static_cast<double>(i)), static_cast<std::int64_t>(i), grey});
+      ASSERT_TRUE(is_finite(e));
+      EXPECT_NE(e.verdict, Verdict::ok) << i;
+    }
   }
 }
 
