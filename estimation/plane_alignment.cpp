@@ -11,7 +11,7 @@ constexpr int kClustersAcross = 8;
 constexpr int kClustersDown = PlaneObservations::kClusters / kClustersAcross;
 
 // A deformation that moves a window's corner by less than this is taken to first order.
-constexpr float kFirstOrder_px = 0.4F;
+constexpr float kFirstOrder_px = 1.2F;
 
 // Lucas-Kanade steps of a level, at most; a step that moves less than this is the level's last.
 constexpr int most_steps(int level) {

@@ -248,8 +248,9 @@ TEST(PlaneAlignment, narrow_vectors_find_the_same_motion) {
   const PlaneAlignment narrow = align(camera, first, second, rest);
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  EXPECT_LT(shift_error(wide.motion, narrow.motion), 1e-5);
-  EXPECT_LT(turn_error_rad(wide.motion, narrow.motion), 1e-5);
+  // sums in another order may end a level a step sooner, when it moves by less than 0.005 px
+  EXPECT_LT(shift_error(wide.motion, narrow.motion), 1e-4);
+  EXPECT_LT(turn_error_rad(wide.motion, narrow.motion), 5e-5);
 }
 
 }  // namespace
