@@ -1,0 +1,181 @@
+#!/usr/bin/env python3
+"""Films the flow paper's flight over several grounds and seeds, navigates it, prints the errors.
+
+One row a trial: median over the seeds and grounds, the worst in brackets. What is already in the
+folder of results is not made again, so that an interrupted call goes on where it was.
+
+  clean      the flight from its true start state
+  tilt       the same pictures, the start's roll wrong by 1 deg
+  paper      the same pictures, the paper's plain mode (configs/paper.yaml)
+  relief     hills of 5 m
+  disturbed  exposure rising by 30 %, flicker, a vehicle on 4 % of the picture
+"""
+
+import argparse
+import concurrent.futures
+import json
+import math
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import threading
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+# trial -> (configuration of the simulation, folder of the flight's pictures)
+TRIALS = {
+    "clean": ("simulate_paper", "flat"),
+    "tilt": ("simulate_paper", "flat"),
+    "paper": ("simulate_paper", "flat"),
+    "relief": ("simulate_relief", "relief"),
+    "disturbed": ("simulate_disturbed", "disturbed"),
+}
+
+# what of a trial is printed: heading, unit, number from the trial's results
+COLUMNS = [
+    ("position RMS", "m", lambda r: r["evaluation"]["position_rmse_m"]),
+    ("end error", "% of path", lambda r: r["evaluation"]["drift_percent"]),
+    ("end error", "% of height", lambda r: 100 * r["end_error_m"] / r["start_height_m"]),
+    ("tilt RMSE", "deg", lambda r: math.degrees(r["evaluation"]["tilt_rmse_rad"])),
+    ("tilt at the end", "deg", lambda r: math.degrees(r["end_tilt_rad"])),
+    ("velocity RMSE", "m/s, worst axis", lambda r: max(r["evaluation"]["velocity_rmse_m_s"])),
+    ("frames refused", "", lambda r: r["frames"]["rejected"]),
+]
+
+printing = threading.Lock()
+
+
+def stillkite(command, *arguments):
+    """Runs the command; its answer, or an error that ends this program."""
+    done = subprocess.run([str(command), *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"stillkite {arguments[0]} failed: {done.stderr.strip()}")
+    return done.stdout
+
+
+def tum_ends(path):
+    """First and last pose of a TUM file: (position, quaternion x y z w)."""
+    rows = [row.split() for row in path.read_text().splitlines() if row and row[0] != "#"]
+    return [([float(v) for v in row[1:4]], [float(v) for v in row[4:8]]) for row in (rows[0], rows[-1])]
+
+
+def up_in_body(quaternion):
+    """The world's z axis in the body; it tells roll and pitch."""
+    x, y, z, w = quaternion
+    return (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+
+
+def angle_between(a, b):
+    cross = math.hypot(
+        a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.atan2(cross, sum(p * q for p, q in zip(a, b)))
+
+
+def start_with_wrong_roll(truth, wrong_deg):
+    """The first true pose as --set arguments, its roll off."""
+    position, (x, y, z, w) = truth[0]
+    roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    pitch = math.asin(2 * (w * y - z * x))
+    yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    keys = {"from_truth": "false", "height_m": position[2], "yaw_deg": math.degrees(yaw),
+            "pitch_deg": math.degrees(pitch), "roll_deg": math.degrees(roll) + wrong_deg}
+    return [word for key, value in keys.items() for word in ("--set", f"initial.{key}={value}")]
+
+
+def film(options, config, folder, seed, ground):
+    if (folder / "run.yaml").exists():
+        return
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    photograph = [] if ground is None else ["--set", f"ground.photograph={ground}"]
+    stillkite(options.command, "simulate", ROOT / "configs" / f"{config}.yaml", "--out", folder,
+              "--set", f"seed={seed}", "--set", f"flight.duration_s={options.duration}", *photograph)
+
+
+def navigate(options, trial, flight, results):
+    truth = tum_ends(flight / "truth.tum")
+    if not (results / "summary.json").exists():
+        if trial == "paper":
+            arguments = [ROOT / "configs" / "paper.yaml"]
+            for key, name in (("source", "flight.mp4"), ("truth", "truth.tum")):
+                arguments += ["--set", f"{key}.path={flight / name}"]
+        else:
+            arguments = [flight / "run.yaml"]
+        if trial == "tilt":
+            arguments += start_with_wrong_roll(truth, 1)
+        stillkite(options.command, "run", *arguments, "--out", results)
+    answer = json.loads((results / "summary.json").read_text())
+    end = tum_ends(results / "trajectory.tum")[1]
+    answer["end_error_m"] = math.dist(end[0], truth[1][0])
+    answer["end_tilt_rad"] = angle_between(up_in_body(end[1]), up_in_body(truth[1][1]))
+    answer["start_height_m"] = truth[0][0][2]
+    return answer
+
+
+def fly(options, pictures, seed, ground):
+    """One film and all trials that use it."""
+    name = "own" if ground is None else ground.stem
+    flight = options.out / "flights" / f"{pictures}-{name}-{seed}"
+    trials = [t for t in options.trials if TRIALS[t][1] == pictures]
+    film(options, TRIALS[trials[0]][0], flight, seed, ground)
+    answers = []
+    for trial in trials:
+        answer = navigate(options, trial, flight, options.out / options.label / f"{trial}-{name}-{seed}")
+        values = "  ".join(f"{column[2](answer):.4g}" for column in COLUMNS)
+        with printing:
+            print(f"  {trial:10} {name:18} seed {seed:<4} {values}", file=sys.stderr, flush=True)
+        answers.append((trial, name, answer))
+    return answers
+
+
+def print_table(answers):
+    print("| trial | ground | flights | " + " | ".join(f"{h}, {u}".strip(", ") for h, u, _ in COLUMNS) + " |")
+    print("|---" * (3 + len(COLUMNS)) + "|")
+    for trial in TRIALS:
+        grounds = sorted({ground for t, ground, _ in answers if t == trial}, key=lambda g: (g != "own", g))
+        for chosen in ([[g] for g in grounds] + ([grounds] if len(grounds) > 1 else [])):
+            rows = [answer for t, ground, answer in answers if t == trial and ground in chosen]
+            cells = []
+            for _, _, value in COLUMNS:
+                values = [value(row) for row in rows]
+                cells.append(f"{statistics.median(values):.3g} ({max(values):.3g})")
+            print(f"| {trial} | {chosen[0] if len(chosen) == 1 else 'all'} | {len(rows)} | " + " | ".join(cells) + " |")
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--command", type=pathlib.Path, default=ROOT / "build/release/app/stillkite",
+                        help="the program (default: build/release/app/stillkite)")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/trials",
+                        help="folder of flights and results (default: out/trials); 0.2 GB a flight")
+    parser.add_argument("--label", default="results", help="folder in it for this program's results")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[11, 12, 13, 14, 15],
+                        help="1 to 10 were looked at while the navigator was tuned (default: 11 to 15)")
+    parser.add_argument("--photographs", type=pathlib.Path, nargs="*", default=[],
+                        help="grounds beside our own: pictures seen from above")
+    parser.add_argument("--trials", nargs="+", choices=TRIALS, default=list(TRIALS), metavar="TRIAL",
+                        help=f"of {', '.join(TRIALS)} (default: all)")
+    parser.add_argument("--duration", type=float, default=150, help="of a flight, s (default: 150)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="flights at a time")
+    return parser.parse_args(arguments)
+
+
+def main():
+    options = parse(sys.argv[1:])
+    films = list(dict.fromkeys(TRIALS[trial][1] for trial in options.trials))
+    tasks = [(pictures, seed, ground) for pictures in films for seed in options.seeds
+             for ground in [None, *options.photographs]]
+    answers = []
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        for done in concurrent.futures.as_completed([pool.submit(fly, options, *t) for t in tasks]):
+            answers += done.result()
+    print_table(answers)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (RuntimeError, KeyboardInterrupt, OSError) as error:
+        sys.exit(f"flight_trials: {error}")

@@ -1,0 +1,24 @@
+// Decodes a video with OpenCV's own reader and does nothing with it: what bench/run_rate.py
+// compares `stillkite run` with.
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <opencv2/core/mat.hpp>
+#include <opencv2/videoio.hpp>
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    fmt::print(stderr, "usage: bench_opencv_decoding VIDEO\n");
+    return 2;
+  }
+  cv::VideoCapture video(argv[1], cv::CAP_FFMPEG);
+  if (!video.isOpened()) {
+    fmt::print(stderr, "bench_opencv_decoding: {} cannot be opened as a video\n", argv[1]);
+    return 2;
+  }
+  cv::Mat frame;
+  int frames = 0;
+  while (video.read(frame)) ++frames;
+  fmt::print("{}\n", frames);
+  return frames > 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
