@@ -66,6 +66,12 @@ const Fault kFaults[] = {
        p.convertTo(grey, CV_8U, 20, 100);
        return grey;
      }},
+    {"noise",
+     [](const cv::Mat& p) {
+       cv::Mat grey(p.size(), CV_8UC1);
+       cv::randn(grey, 128, 40);
+       return grey;
+     }},
     {"another_place",
      [](const cv::Mat& p) {
        cv::Mat grey;
@@ -201,6 +207,34 @@ TEST(BadFrame, StepOfExposureIsSurvived) {
   }
   const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
   EXPECT_LT((e.world_from_body.translation - truth.translation).norm(), 0.05);
+}
+
+// Three seconds in the dark, longer than a speed is worth anything: the flight goes on where it
+// was, which the covariance has to allow.
+TEST(BadFrame, CoveredCameraFindsItsWayBack) {
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator();
+  std::int64_t ns = 0;
+  const auto step = [&](const cv::Mat& grey) {
+    ns += 40'000'000;
+    return navigator.step({Timestamp{ns}, ns / 40'000'000, grey});
+  };
+  for (std::size_t i = 0; i <= 20; ++i) (void)step(flight.frames[i].grey);
+  for (int k = 0; k < 75; ++k) {
+    const NavigationEstimate e =
+        step(cv::Mat(flight.frames[0].grey.size(), CV_8UC1, cv::Scalar(k % 3)));
+    EXPECT_EQ(e.verdict, Verdict::too_little_texture) << k;
+    ASSERT_TRUE(is_finite(e));
+  }
+  for (std::size_t i = 21; i < flight.frames.size(); ++i) {
+    const NavigationEstimate e = step(flight.frames[i].grey);
+    ASSERT_TRUE(is_finite(e));
+    ASSERT_EQ(e.verdict, Verdict::ok) << i;
+    EXPECT_LT((e.world_from_body.translation - flight.truth(i).translation).norm(), 0.1) << i;
+    if (i < 24) continue;
+    const Twist& truth = flight.record.twists_in_camera[i - 1].twist;
+    EXPECT_LT((e.twist_in_camera.velocity_m_s - truth.velocity_m_s).norm(), 0.3) << i;
+  }
 }
 
 // Every window of a ground that moves by itself goes its own way.
