@@ -153,7 +153,8 @@ InitialState start_of(const RunConfig& config, const FlightInputs& inputs, Times
     start.world_from_body.translation.z() = *config.initial.height_m;
     start.scale = ScaleSource::initial_height;
   } else if (config.height.source == HeightSource::range && readings.height_m) {
-    start.world_from_body.translation.z() = *readings.height_m;
+    start.world_from_body.translation.z() =
+        height_of_body_m(*readings.height_m, ScaleSource::range, start.world_from_body.rotation);
     start.scale = ScaleSource::range;
   }
   return start;

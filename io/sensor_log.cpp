@@ -35,6 +35,15 @@ std::optional<Value> value_at(const TimeSeries<Value>& series, Timestamp stamp) 
   return between(series.values[i - 1], series.values[i], ratio);
 }
 
+// A reading counts once, however many frames lie between it and the next.
+template <typename Value>
+std::optional<Value> new_value_at(const TimeSeries<Value>& series, Timestamp before,
+                                  Timestamp now) {
+  const auto next = std::upper_bound(series.stamps.begin(), series.stamps.end(), before);
+  const bool is_new = next != series.stamps.end() && *next <= now;
+  return is_new || before == now ? value_at(series, now) : std::nullopt;
+}
+
 std::optional<Eigen::Vector3d> mean_between(const TimeSeries<Eigen::Vector3d>& series,
                                             Timestamp from, Timestamp to) {
   const std::optional<Eigen::Vector3d> first = value_at(series, from);
@@ -76,9 +85,9 @@ TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t col
 SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestamp now) {
   return {
       .mean_angular_rate_in_body_rad_s = mean_between(log.angular_rate_in_body_rad_s, before, now),
-      .height_m = value_at(log.height_m, now),
+      .height_m = new_value_at(log.height_m, before, now),
       .height_source = log.height_source,
-      .attitude = value_at(log.attitude, now),
+      .attitude = new_value_at(log.attitude, before, now),
       .acceleration = value_at(log.acceleration, now)};
 }
 

@@ -24,7 +24,7 @@ struct TimeSeries {
 /// What other sensors said during a flight; each may be empty.
 struct SensorLog {
   TimeSeries<Eigen::Vector3d> angular_rate_in_body_rad_s;
-  TimeSeries<double> height_m;
+  TimeSeries<double> height_m;                     ///< of SensorReadings
   ScaleSource height_source = ScaleSource::range;  ///< what measured it
   TimeSeries<Eigen::Quaterniond> attitude;         ///< world_from_body
   TimeSeries<Vector6d> acceleration;               ///< of SensorReadings
@@ -33,9 +33,9 @@ struct SensorLog {
 /// Neighbouring readings further apart than this are a gap, in which nothing is known.
 inline constexpr double kLongestGap_s = 0.5;
 
-/// Readings for the frame at `now`: height, attitude and acceleration interpolated at its stamp,
-/// the gyro's mean from `before` to `now` (the integral of the line through its readings). Nothing
-/// outside a log and in its gaps.
+/// Readings for the frame at `now`: height and attitude interpolated at its stamp where a reading
+/// came since `before`, acceleration at any stamp, the gyro's mean from `before` to `now` (the
+/// integral of the line through its readings). Nothing outside a log and in its gaps.
 [[nodiscard]] SensorReadings readings_between(const SensorLog& log, Timestamp before,
                                               Timestamp now);
 

@@ -53,7 +53,8 @@ struct HeightConfig {
 
   static void fields(auto& self, auto&& field) {
     field("source", self.source,
-          "what measures: range is the height over the ground, barometer its change");
+          "what measures: range is the distance to the ground along the body's -z, barometer the "
+          "change of its height");
     field("path", self.path, "CSV: timestamp [ns] or [s], height in m");
   }
 };

@@ -15,12 +15,19 @@ struct InitialState {
   ScaleSource scale = ScaleSource::none;  ///< what gave that height
 };
 
+/// Height over the ground of a body: a range finder looks along its -z, whatever the tilt.
+[[nodiscard]] inline double height_of_body_m(double reading_m, ScaleSource source,
+                                             const Eigen::Quaterniond& world_from_body) {
+  if (source != ScaleSource::range) return reading_m;
+  return reading_m * (world_from_body * Eigen::Vector3d::UnitZ()).z();
+}
+
 /// Readings of other sensors for the interval that ends at a frame; each is optional.
 struct SensorReadings {
   std::optional<Eigen::Vector3d> mean_angular_rate_in_body_rad_s;  ///< gyro, mean since last frame
-  std::optional<double> height_m;                                  ///< of the body over the ground
-  ScaleSource height_source = ScaleSource::range;                  ///< what measured that height
-  std::optional<Eigen::Quaterniond> attitude;                      ///< world_from_body
+  std::optional<double> height_m;  ///< of the body over the ground; a range: along the body's -z
+  ScaleSource height_source = ScaleSource::range;  ///< what measured that height
+  std::optional<Eigen::Quaterniond> attitude;      ///< world_from_body
   std::optional<Vector6d> acceleration;  ///< a(t) of the flow paper, eq. (3): linear in the world
                                          ///< (m/s^2), then angular in the body (rad/s^2)
 };

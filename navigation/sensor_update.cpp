@@ -50,7 +50,10 @@ CameraReadings of_camera(const SensorReadings& readings, const RigidTransform& b
   CameraReadings out{.height_source = readings.height_source};
   if (readings.height_m) {
     const Eigen::Vector3d body_in_camera = body_from_camera.inverse().translation;
-    out.height_m = *readings.height_m - (world_from_camera * body_in_camera).z();
+    const Eigen::Quaterniond world_from_body =
+        world_from_camera * body_from_camera.rotation.conjugate();
+    out.height_m = height_of_body_m(*readings.height_m, readings.height_source, world_from_body) -
+                   (world_from_camera * body_in_camera).z();
   }
   if (readings.attitude) out.attitude = *readings.attitude * body_from_camera.rotation;
   return out;

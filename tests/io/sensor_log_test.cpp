@@ -24,6 +24,9 @@ TEST(SensorLog, HeightIsInterpolatedAndUnknownOutside) {
   EXPECT_FALSE(height(0.99).has_value());
   EXPECT_FALSE(height(3.01).has_value());
   EXPECT_FALSE(height(2.0).has_value());  // in a gap of 1.8 s
+  // a reading counts once: between 1.0 and 1.2 there is no new one
+  EXPECT_FALSE(readings_between(log, at_s(1.0), at_s(1.1)).height_m.has_value());
+  EXPECT_DOUBLE_EQ(*readings_between(log, at_s(0.9), at_s(1.1)).height_m, 11);
   EXPECT_FALSE(readings_between({}, at_s(0), at_s(1)).height_m.has_value());
 }
 

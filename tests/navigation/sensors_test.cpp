@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <opencv2/core.hpp>
 
 #include "rendered_flight.hpp"
@@ -40,6 +41,12 @@ TEST_P(Sensors, HeightHealsAWrongStart) {
   const Twist& last = flight.record.twists_in_camera.back().twist;
   EXPECT_LT((e.twist_in_camera.velocity_m_s - last.velocity_m_s).norm(),
             GetParam() == Mode::paper ? 0.5 : 0.1);
+}
+
+TEST(SensorReading, RangeIsAlongTheBody) {
+  const Eigen::Quaterniond rolled = so3_exp({std::acos(0.5), 0, 0});
+  EXPECT_NEAR(height_of_body_m(10, ScaleSource::range, rolled), 5, 1e-12);
+  EXPECT_NEAR(height_of_body_m(10, ScaleSource::barometer, rolled), 10, 1e-12);
 }
 
 TEST_P(Sensors, FirstHeightSetsTheScaleOfAFlightWithoutOne) {
