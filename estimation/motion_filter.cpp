@@ -14,6 +14,8 @@ void MotionFilter::start(const RigidTransform& pose, double velocity_sigma_m_s,
 }
 
 void MotionFilter::take_as_origin() {
+  previous_covariance_ = way_covariance();
+  previous_with_state_.setZero();
   P_.topRows<6>().setZero();
   P_.leftCols<6>().setZero();
 }
@@ -21,9 +23,7 @@ void MotionFilter::take_as_origin() {
 void MotionFilter::forget_speed(double velocity_sigma_m_s, double rate_sigma_rad_s) {
   velocity_in_world_.setZero();
   rate_in_camera_.setZero();
-  previous_velocity_in_world_.setZero();
-  previous_rate_in_camera_.setZero();
-  previous_with_predicted_.setZero();
+  interval_s_ = 0;
   P_.bottomRows<6>().setZero();
   P_.rightCols<6>().setZero();
   P_.diagonal().segment<3>(6).setConstant(velocity_sigma_m_s * velocity_sigma_m_s);
@@ -37,6 +37,8 @@ RigidTransform MotionFilter::predicted_pose(double dt_s) const {
 
 void MotionFilter::predict(double dt_s) {
   const Eigen::Matrix3d R = pose_.rotation.toRotationMatrix();
+  previous_pose_ = pose_;
+  previous_covariance_ = pose_covariance();
   pose_ = predicted_pose(dt_s);
   interval_s_ = dt_s;
   Matrix12d F = Matrix12d::Identity();
@@ -58,10 +60,9 @@ void MotionFilter::predict(double dt_s) {
   Q.block<3, 3>(9, 3) = R.transpose() * (qw * dt2);
   Q.block<3, 3>(9, 9).diagonal().setConstant(qw * dt_s);
 
-  previous_with_predicted_ = P_ * F.transpose();
-  P_ = F * previous_with_predicted_ + Q;
-  previous_velocity_in_world_ = velocity_in_world_;
-  previous_rate_in_camera_ = rate_in_camera_;
+  const Matrix12d PFt = P_ * F.transpose();
+  previous_with_state_ = PFt.topRows<6>();
+  P_ = F * PFt + Q;
 }
 
 template <int kRows>
@@ -73,22 +74,24 @@ void MotionFilter::correct(int first, const Eigen::Matrix<double, kRows, 1>& inn
   const Gain PHt = P_.middleCols<kRows>(first);
   const Gain K = ldlt.solve(PHt.transpose()).transpose();
   const Vector12d correction = K * innovation;
-  // the smoother's gain on the same innovation: cov(x_{j-1}, z) S^-1
-  const Vector12d back = previous_with_predicted_.middleCols<kRows>(first) * ldlt.solve(innovation);
+  // the smoother's gain on the same innovation: cov(pose_{j-1}, z) S^-1
+  const Eigen::Matrix<double, 6, kRows> back_PHt = previous_with_state_.middleCols<kRows>(first);
+  const Vector6d back = back_PHt * ldlt.solve(innovation);
 
   pose_.translation += correction.head<3>();
   pose_.rotation = (so3_exp(correction.segment<3>(3)) * pose_.rotation).normalized();
   velocity_in_world_ += correction.segment<3>(6);
   rate_in_camera_ += correction.tail<3>();
-  previous_velocity_in_world_ += back.segment<3>(6);
-  previous_rate_in_camera_ += back.tail<3>();
+  previous_pose_.translation += back.head<3>();
+  previous_pose_.rotation = (so3_exp(back.tail<3>()) * previous_pose_.rotation).normalized();
 
   // Joseph form keeps P symmetric and positive
   Matrix12d I_KH = Matrix12d::Identity();
   I_KH.middleCols<kRows>(first) -= K;
   const Matrix12d P = I_KH * P_ * I_KH.transpose() + K * covariance * K.transpose();
   P_ = 0.5 * (P + P.transpose());
-  previous_with_predicted_ = previous_with_predicted_ * I_KH.transpose();
+  previous_covariance_ -= back_PHt * ldlt.solve(back_PHt.transpose());
+  previous_with_state_ = previous_with_state_ * I_KH.transpose();
 }
 
 void MotionFilter::update(const RigidTransform& measured_pose, const Matrix6d& covariance) {
@@ -105,39 +108,59 @@ void MotionFilter::update_rate(const Eigen::Vector3d& measured_rate_rad_s,
 
 void MotionFilter::transform_world(const RigidTransform& change) {
   pose_ = change * pose_;
+  previous_pose_ = change * previous_pose_;
   velocity_in_world_ = change.rotation * velocity_in_world_;
-  previous_velocity_in_world_ = change.rotation * previous_velocity_in_world_;
   const Eigen::Matrix3d R = change.rotation.toRotationMatrix();
   Matrix12d J = Matrix12d::Identity();
   for (const int at : {0, 3, 6}) J.block<3, 3>(at, at) = R;
-  P_ = J * P_ * J.transpose();
+  transform_errors(J);
 }
 
 void MotionFilter::stretch_world(double factor) {
   pose_.translation *= factor;
+  previous_pose_.translation *= factor;
   velocity_in_world_ *= factor;
-  previous_velocity_in_world_ *= factor;
-  for (const int at : {0, 6}) {
-    P_.middleRows<3>(at) *= factor;
-    P_.middleCols<3>(at) *= factor;
-  }
+  Matrix12d J = Matrix12d::Identity();
+  for (const int at : {0, 6}) J.block<3, 3>(at, at) *= factor;
+  transform_errors(J);
+}
+
+void MotionFilter::transform_errors(const Matrix12d& by) {
+  const Matrix6d of_pose = by.topLeftCorner<6, 6>();
+  P_ = by * P_ * by.transpose();
+  previous_covariance_ = of_pose * previous_covariance_ * of_pose.transpose();
+  previous_with_state_ = of_pose * previous_with_state_ * by.transpose();
 }
 
 Twist MotionFilter::twist_in_camera() const {
   return {pose_.rotation.conjugate() * velocity_in_world_, rate_in_camera_};
 }
 
-Twist MotionFilter::mean_twist_in_camera() const {
-  const Eigen::Vector3d velocity = 0.5 * (velocity_in_world_ + previous_velocity_in_world_);
-  const Eigen::Vector3d rate = 0.5 * (rate_in_camera_ + previous_rate_in_camera_);
-  const Eigen::Quaterniond half_way = pose_.rotation * so3_exp(rate * (-0.5 * interval_s_));
-  return {half_way.conjugate() * velocity, rate};
-}
-
 Matrix6d MotionFilter::twist_covariance() const {
   Matrix6d J = Matrix6d::Identity();
   J.topLeftCorner<3, 3>() = pose_.rotation.conjugate().toRotationMatrix();
   return J * P_.bottomRightCorner<6, 6>() * J.transpose();
+}
+
+Twist MotionFilter::mean_twist_in_camera() const {
+  if (interval_s_ == 0) return twist_in_camera();
+  const Eigen::Vector3d turn = so3_log(previous_pose_.rotation.conjugate() * pose_.rotation);
+  const Eigen::Quaterniond half_way = previous_pose_.rotation * so3_exp(0.5 * turn);
+  const Eigen::Vector3d way = pose_.translation - previous_pose_.translation;
+  return {half_way.conjugate() * way / interval_s_, turn / interval_s_};
+}
+
+Matrix6d MotionFilter::way_covariance() const {
+  const Matrix6d common = previous_with_state_.leftCols<6>();
+  return pose_covariance() + previous_covariance_ - common - common.transpose();
+}
+
+Matrix6d MotionFilter::mean_twist_covariance() const {
+  if (interval_s_ == 0) return twist_covariance();
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>() = pose_.rotation.conjugate().toRotationMatrix() / interval_s_;
+  J.bottomRightCorner<3, 3>() = J.topLeftCorner<3, 3>();
+  return J * way_covariance() * J.transpose();
 }
 
 }  // namespace stillkite

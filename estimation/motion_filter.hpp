@@ -56,20 +56,26 @@ class MotionFilter {
   [[nodiscard]] const RigidTransform& pose() const { return pose_; }
   /// Twist at the last frame, or as predicted.
   [[nodiscard]] Twist twist_in_camera() const;
-  /// Mean twist over the last interval, smoothed by its last frame, in the camera half way.
-  [[nodiscard]] Twist mean_twist_in_camera() const;
   /// Covariance of (velocity, rate) in the camera at the last frame.
   [[nodiscard]] Matrix6d twist_covariance() const;
+  /// Mean twist over the last interval, in the camera half way: the way between its two poses, the
+  /// first one smoothed by the last frame. Where there is no such interval, the last frame's twist.
+  [[nodiscard]] Twist mean_twist_in_camera() const;
+  [[nodiscard]] Matrix6d mean_twist_covariance() const;
   [[nodiscard]] Matrix6d pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
 
  private:
   using Matrix12d = Eigen::Matrix<double, 12, 12>;
   using Vector12d = Eigen::Matrix<double, 12, 1>;
+  using PoseWithState = Eigen::Matrix<double, 6, 12>;
 
   // Kalman update by an innovation of the error's components from `first` on.
   template <int kRows>
   void correct(int first, const Eigen::Matrix<double, kRows, 1>& innovation,
                const Eigen::Matrix<double, kRows, kRows>& covariance);
+  void transform_errors(const Matrix12d& by);
+  // of the way from the frame before to the last one, (translation, rotation vector) in world
+  [[nodiscard]] Matrix6d way_covariance() const;
 
   MotionFilterConfig config_;
   RigidTransform pose_;
@@ -77,11 +83,11 @@ class MotionFilter {
   Eigen::Vector3d rate_in_camera_ = Eigen::Vector3d::Zero();
   Matrix12d P_ = Matrix12d::Zero();
 
-  // of the frame before, smoothed by the last one
-  Eigen::Vector3d previous_velocity_in_world_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d previous_rate_in_camera_ = Eigen::Vector3d::Zero();
-  double interval_s_ = 0;
-  Matrix12d previous_with_predicted_ = Matrix12d::Zero();  // cross covariance P_{j-1} F^T
+  // the pose of the frame before, smoothed by the last one
+  RigidTransform previous_pose_;
+  Matrix6d previous_covariance_ = Matrix6d::Zero();
+  PoseWithState previous_with_state_ = PoseWithState::Zero();  // its cross covariance
+  double interval_s_ = 0;                                      // 0: no frame before
 };
 
 }  // namespace stillkite

@@ -30,6 +30,13 @@ double height_ratio(const PlaneMotion& motion) {
   return 1 + motion.normal.dot(motion.rotation.conjugate() * motion.translation);
 }
 
+// The filter takes its height as given; a wrong one makes every speed wrong by the same share.
+Matrix6d covariance_of_scale(const PoseEstimate& camera, const Twist& twist) {
+  Vector6d speed = Vector6d::Zero();
+  speed.head<3>() = twist.velocity_m_s / camera.world_from_camera.translation.z();
+  return speed * camera.covariance(2, 2) * speed.transpose();
+}
+
 FlowQuality quality_of(const PlaneAlignment& alignment) {
   return {.windows = alignment.windows,
           .inlier_ratio = alignment.inlier_ratio,
@@ -254,7 +261,8 @@ NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict
   out.world_from_body = camera.world_from_camera * body_from_camera_.inverse();
   out.pose_covariance = camera.covariance;
   out.twist_in_camera = track_.filter().mean_twist_in_camera();
-  out.twist_covariance = track_.filter().twist_covariance();
+  out.twist_covariance =
+      track_.filter().mean_twist_covariance() + covariance_of_scale(camera, out.twist_in_camera);
   out.velocity_in_world_m_s = camera.world_from_camera.rotation * out.twist_in_camera.velocity_m_s;
   out.scale = track_.scale();
   if (out.scale != ScaleSource::none) {

@@ -1,0 +1,53 @@
+#include <gtest/gtest.h>
+
+#include "rendered_flight.hpp"
+
+// Are errors as large as the covariance says? NEES over flights with grounds, noise and ways of
+// their own; 3 for an honest covariance of three axes, known here to a factor of two for the errors
+// of one flight's frames are alike.
+
+namespace stillkite {
+namespace {
+
+using test::fly;
+
+struct Nees {
+  double velocity = 0;
+  double rate = 0;
+  int frames = 0;
+};
+
+double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
+  return error.dot(covariance.ldlt().solve(error));
+}
+
+void add_flight(int seed, Nees& sum) {
+  const test::RenderedFlight flight = test::film(test::small_flight(seed));
+  const auto estimates = fly(flight.navigator(), flight.frames);
+  for (std::size_t i = 5; i < estimates.size(); ++i) {
+    ASSERT_EQ(estimates[i].verdict, Verdict::ok);
+    const Twist& truth = flight.record.twists_in_camera[i - 1].twist;
+    const Twist& twist = estimates[i].twist_in_camera;
+    const Matrix6d& P = estimates[i].twist_covariance;
+    sum.velocity += nees(twist.velocity_m_s - truth.velocity_m_s, P.topLeftCorner<3, 3>());
+    sum.rate +=
+        nees(twist.angular_rate_rad_s - truth.angular_rate_rad_s, P.bottomRightCorner<3, 3>());
+    ++sum.frames;
+  }
+}
+
+TEST(Consistency, TwistErrsAsItsCovarianceSays) {
+  Nees sum;
+  for (const int seed : {1, 2, 3, 4, 5, 6}) add_flight(seed, sum);
+  const double velocity = sum.velocity / sum.frames;
+  const double rate = sum.rate / sum.frames;
+  RecordProperty("velocity_nees", std::to_string(velocity));
+  RecordProperty("rate_nees", std::to_string(rate));
+  EXPECT_GT(velocity, 3.0 / 4);
+  EXPECT_LT(velocity, 3.0 * 4);
+  EXPECT_GT(rate, 3.0 / 4);
+  EXPECT_LT(rate, 3.0 * 4);
+}
+
+}  // namespace
+}  // namespace stillkite
