@@ -3,12 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 
 #include "app/commands.hpp"
 #include "app/evaluation_json.hpp"
 #include "evaluation/evaluation.hpp"
+#include "geometry/angle.hpp"
 #include "geometry/fields.hpp"
 #include "io/calibration.hpp"
 #include "io/euroc_dataset.hpp"
@@ -17,9 +17,7 @@
 namespace stillkite {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-
-struct Arguments {
+struct EvaluateArguments {
   std::string truth;
   std::string estimate;
   std::string alignment{name_of(Alignment::none)};
@@ -57,7 +55,7 @@ std::string span_text(const std::vector<StampedPose>& poses) {
                      to_seconds(poses.front().stamp), to_seconds(poses.back().stamp));
 }
 
-void reject_if_unmatched(const Evaluation& evaluation, const Arguments& arguments,
+void reject_if_unmatched(const Evaluation& evaluation, const EvaluateArguments& arguments,
                          const std::vector<StampedPose>& truth,
                          const std::vector<StampedPose>& estimate) {
   constexpr int kFewest = 3;  // a path with one bend
@@ -93,11 +91,12 @@ void print_axes(const char* name, const std::optional<VectorError>& error, const
 void print_relative(const char* name, const std::optional<RelativeError>& error) {
   if (!error) return;
   fmt::print("  {:<22} {:.5g} m, {:.4g} deg over {:.4g} m ({} pairs)\n", name,
-             error->translation_rmse_m, error->rotation_rmse_rad * kDegrees, error->mean_length_m,
+             error->translation_rmse_m, error->rotation_rmse_rad / kDegree, error->mean_length_m,
              error->count);
 }
 
-void print_table(const Evaluation& evaluation, const Arguments& arguments, std::size_t estimates) {
+void print_table(const Evaluation& evaluation, const EvaluateArguments& arguments,
+                 std::size_t estimates) {
   const TrajectoryError& error = *evaluation.trajectory;
   fmt::print("matched {} of {} stamps, path {:.5g} m, alignment {}", evaluation.matched, estimates,
              evaluation.path_length_m, arguments.alignment);
@@ -113,7 +112,7 @@ void print_table(const Evaluation& evaluation, const Arguments& arguments, std::
     fmt::print("  {:<22} {:.4g} % of the path\n", "drift", *evaluation.drift_percent);
   }
   fmt::print("  {:<22} {:.4g} deg tilt, {:.4g} deg yaw\n", "attitude RMSE",
-             error.tilt_rmse_rad * kDegrees, error.yaw_rmse_rad * kDegrees);
+             error.tilt_rmse_rad / kDegree, error.yaw_rmse_rad / kDegree);
   print_relative("relative, a frame", evaluation.per_frame);
   print_relative("relative, path / 10", evaluation.per_tenth);
   fmt::print("\n{:<29} {:>10} {:>11} {:>11}\n", "Motion in the camera", "x", "y", "z");
@@ -121,7 +120,7 @@ void print_table(const Evaluation& evaluation, const Arguments& arguments, std::
   print_axes("rate", evaluation.angular_rate, "rad/s");
 }
 
-void run(const Arguments& arguments) {
+void run(const EvaluateArguments& arguments) {
   const TruthOnDisk truth = read_truth(arguments.truth);
   const std::vector<StampedPose> estimate = read_trajectory(arguments.estimate);
   const Evaluation evaluation = evaluate(motion_estimates(estimate), truth.truth,
@@ -139,7 +138,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_evaluate(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* command =
       app.add_subcommand("evaluate", "Judge an estimated trajectory by a true one.");
   command

@@ -146,13 +146,13 @@ void simulate_flight(const SimulateConfig& config, const fs::path& out) {
              flight.truth.size(), (out / "run.yaml").string());
 }
 
-struct Arguments {
+struct SimulateArguments {
   std::optional<std::string> config;
   std::vector<std::string> overrides;
   std::string out;
 };
 
-void simulate(const Arguments& arguments) {
+void simulate(const SimulateArguments& arguments) {
   ConfigNode root{.kind = ConfigNode::Kind::map};
   if (arguments.config) root = read_yaml(*arguments.config);
   for (const std::string& assignment : arguments.overrides) apply_override(root, assignment);
@@ -169,7 +169,7 @@ void simulate(const Arguments& arguments) {
 void add_simulate(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("simulate", "Film a flight over a known ground, with truth");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SimulateArguments>();
   command->add_option("config", arguments->config,
                       "YAML file; without it the flow paper's flight (stillkite simulate --print)");
   command->add_option("--set", arguments->overrides, "key=value over the file's, repeatable")

@@ -1,9 +1,9 @@
 #include "flow/picture_search.hpp"
+#include "geometry/angle.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
@@ -15,7 +15,7 @@ constexpr double kLongestSide_px = 160;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kLeastVariance = 0.5;  // grey^2 a pixel; less is a bare picture
 constexpr int kTurns = 3;               // to either side
-constexpr double kTurn_rad = 4 * std::numbers::pi / 180;
+constexpr double kTurn_rad = 4 * kDegree;
 constexpr int kPeaksPerTurn = 2;
 constexpr int kPeakRadius_px = 4;
 constexpr std::size_t kMostAnswers = 3;

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 #include "io/calibration.hpp"
 #include "io/euroc_dataset.hpp"
@@ -12,8 +12,6 @@
 
 namespace stillkite {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 Calibration calibration_of(const CameraConfig& config) {
   Camera camera{.width_px = config.width_px,
@@ -60,8 +58,8 @@ Calibration find_calibration(const RunConfig& config, const std::optional<EurocD
 
 // The picture's right is the body's right at any tilt.
 Eigen::Quaterniond body_from_camera_looking_down(double down_deg) {
-  const double c = std::cos(down_deg * kRadPerDeg);
-  const double s = std::sin(down_deg * kRadPerDeg);
+  const double c = std::cos(down_deg * kDegree);
+  const double s = std::sin(down_deg * kDegree);
   Eigen::Matrix3d R;
   R.col(0) << 0, -1, 0;
   R.col(1) << -s, 0, -c;
@@ -145,9 +143,9 @@ InitialState start_of(const RunConfig& config, const FlightInputs& inputs, Times
   const SensorReadings readings = readings_between(inputs.sensors, first, first);
   InitialState start;
   start.world_from_body.rotation =
-      readings.attitude.value_or(to_quaternion({.yaw_rad = config.initial.yaw_deg * kRadPerDeg,
-                                                .pitch_rad = config.initial.pitch_deg * kRadPerDeg,
-                                                .roll_rad = config.initial.roll_deg * kRadPerDeg}));
+      readings.attitude.value_or(to_quaternion({.yaw_rad = config.initial.yaw_deg * kDegree,
+                                                .pitch_rad = config.initial.pitch_deg * kDegree,
+                                                .roll_rad = config.initial.roll_deg * kDegree}));
   start.world_from_body.translation.z() = 1.0;
   if (config.initial.height_m) {
     start.world_from_body.translation.z() = *config.initial.height_m;

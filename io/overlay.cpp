@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
+#include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 #include "io/overlay_canvas.hpp"
 #include "io/overlay_geometry.hpp"
@@ -132,7 +132,6 @@ void write_figures(OverlayCanvas& canvas, const NavigationEstimate& estimate) {
   const char* length = metric ? "m" : "heights";
   const Eigen::Vector3d& velocity = estimate.velocity_in_world_m_s;
   const EulerAngles angles = to_euler(estimate.world_from_body.rotation);
-  constexpr double kDegrees = 180 / std::numbers::pi;
 
   canvas.panel({14 * u, 14 * u, 356 * u, 164 * u});
   std::string verdict(name_of(estimate.verdict));
@@ -144,8 +143,8 @@ void write_figures(OverlayCanvas& canvas, const NavigationEstimate& estimate) {
               {26 * u, 120 * u}, 11.5, kSoft);
   canvas.text(fmt::format("height {:.2f} {}", estimate.world_from_body.translation.z(), length),
               {26 * u, 142 * u}, 11.5, kSoft);
-  canvas.text(fmt::format("roll {:+.1f}  pitch {:+.1f}  yaw {:+.1f}", angles.roll_rad * kDegrees,
-                          angles.pitch_rad * kDegrees, angles.yaw_rad * kDegrees),
+  canvas.text(fmt::format("roll {:+.1f}  pitch {:+.1f}  yaw {:+.1f}", angles.roll_rad / kDegree,
+                          angles.pitch_rad / kDegree, angles.yaw_rad / kDegree),
               {26 * u, 164 * u}, 11.5, kSoft);
 }
 

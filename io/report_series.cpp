@@ -3,16 +3,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string_view>
 
+#include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 
 namespace stillkite {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
 
 /// Columns that grow by one value a frame.
@@ -46,10 +45,10 @@ Eigen::Vector3d angles_deg(const Eigen::Quaterniond& world_from_body,
                            const Eigen::Vector3d& near_deg) {
   const EulerAngles angles = to_euler(world_from_body);
   const Eigen::Vector3d wrapped =
-      kDegrees * Eigen::Vector3d(angles.roll_rad, angles.pitch_rad, angles.yaw_rad);
+      Eigen::Vector3d(angles.roll_rad, angles.pitch_rad, angles.yaw_rad) / kDegree;
   if (!near_deg.allFinite()) return wrapped;
   return near_deg + (wrapped - near_deg).unaryExpr([](double difference_deg) {
-    return kDegrees * wrap_angle_rad(difference_deg / kDegrees);
+    return wrap_angle_rad(difference_deg * kDegree) / kDegree;
   });
 }
 
@@ -67,7 +66,7 @@ void add_state(Table& table, const NavigationEstimate& estimate,
   const Eigen::Matrix3d R = world_from_camera.toRotationMatrix();
   table.add("position", "m", estimate.world_from_body.translation);
   table.add("position_sigma", "m", standard_deviation(P.topLeftCorner<3, 3>()));
-  table.add("attitude_sigma", "deg", kDegrees * standard_deviation(P.bottomRightCorner<3, 3>()));
+  table.add("attitude_sigma", "deg", standard_deviation(P.bottomRightCorner<3, 3>()) / kDegree);
   table.add("velocity", "m_s", estimate.velocity_in_world_m_s);
   table.add(
       "velocity_sigma", "m_s",
@@ -82,7 +81,7 @@ void add_errors(Table& table, const NavigationEstimate& estimate,
             truth ? (pose.translation - truth->translation).eval() : nothing());
   table.add(
       "attitude_error", "deg",
-      truth ? (kDegrees * so3_log(pose.rotation * truth->rotation.conjugate())).eval() : nothing());
+      truth ? (so3_log(pose.rotation * truth->rotation.conjugate()) / kDegree).eval() : nothing());
   table.add("velocity_true", "m_s", true_velocity);
   table.add("velocity_error", "m_s", estimate.velocity_in_world_m_s - true_velocity);
 }

@@ -6,20 +6,13 @@
 #include "estimation/integration.hpp"
 #include "estimation/motion_field.hpp"
 #include "navigation/picture_texture.hpp"
+#include "navigation/start_uncertainty.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
 namespace {
 
 constexpr int kTextureLevels = 3;
-
-// Known exactly at the start, nothing of the speed: as PoseTrack's.
-constexpr double kExact = 1e-8;
-constexpr double kAnySpeed_heights_s = 2.0;
-constexpr double kAnyRate_rad_s = 2.0;
-
-// One step never leads further down than to this share of the height.
-constexpr double kLowest = 0.1;
 
 }  // namespace
 

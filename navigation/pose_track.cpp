@@ -3,20 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "navigation/start_uncertainty.hpp"
+
 namespace stillkite {
-namespace {
-
-// A start that is exact still needs a covariance that can be inverted.
-constexpr double kExact = 1e-8;
-
-// At the start nothing is known of the speed: standard deviations in heights/s and rad/s.
-constexpr double kAnySpeed_heights_s = 2.0;
-constexpr double kAnyRate_rad_s = 2.0;
-
-// A prediction never leads further down than to this share of the keyframe's height.
-constexpr double kLowest = 0.1;
-
-}  // namespace
 
 PoseTrack::PoseTrack(const RigidTransform& body_from_camera, const NavigatorConfig& config,
                      const InitialState& initial)

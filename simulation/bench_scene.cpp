@@ -1,8 +1,8 @@
 #include "simulation/bench_scene.hpp"
 
 #include <memory>
-#include <numbers>
 
+#include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/develop.hpp"
@@ -23,7 +23,6 @@ RigidTransform screw(const Twist& twist, double interval_s) {
 
 BenchScene make_bench_scene(const BenchMotion& motion, const cv::Mat& texture, std::uint64_t seed,
                             int supersampling) {
-  constexpr double kDegree = std::numbers::pi / 180;
   constexpr double kTexelsPerPixel = 1.25;
   BenchScene scene;
   scene.camera = {.width_px = 1920,

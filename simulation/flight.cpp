@@ -4,12 +4,12 @@
 #include <numbers>
 #include <string>
 
+#include "geometry/angle.hpp"
 #include "simulation/random.hpp"
 
 namespace stillkite {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGravity_m_s2 = 9.80665;
 
 // Sines of 4 to 40 s, slow ones larger, of the given RMS.

@@ -99,7 +99,9 @@ cv::Mat Renderer::render(const Scene& scene, const RigidTransform& world_from_ca
   return picture;
 }
 
-void Renderer::render_strip(RenderView view, int first, int count, cv::Mat& picture) const {
+void Renderer::render_strip(const RenderView& frame_view, int first, int count,
+                            cv::Mat& picture) const {
+  RenderView view = frame_view;
   const int samples = supersampling_ * supersampling_;
   const std::size_t width = padded_width_;
   const bool pinhole = camera_.distortion == DistortionModel::none;

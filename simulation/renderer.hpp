@@ -46,7 +46,8 @@ class Renderer {
  private:
   void tabulate_pinhole();
   void tabulate_lens();
-  void render_strip(RenderView view, int first_column, int count, cv::Mat& picture) const;
+  void render_strip(const RenderView& frame_view, int first_column, int count,
+                    cv::Mat& picture) const;
 
   Camera camera_;
   int supersampling_;

@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "geometry/angle.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/develop.hpp"
 #include "simulation/procedural_ground.hpp"
@@ -16,7 +16,6 @@
 namespace stillkite {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 
 // Streams of the seed, one a purpose.
 enum Stream : std::uint64_t {

@@ -3,15 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 
 namespace stillkite {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kDegree = std::numbers::pi / 180;
 
 // A level coordinated turn: bank constant, heading at a constant rate, speed along the body's x.
 struct Turn {

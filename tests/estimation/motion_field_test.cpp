@@ -9,7 +9,7 @@
 namespace stillkite {
 namespace {
 
-constexpr double kStep_s = 1e-5;
+constexpr double kTiny_s = 1e-5;
 
 // Where a point fixed to the ground (or to the sky) is seen after the camera moved with the twist.
 Eigen::Vector2d seen_after(const Twist& twist, const Eigen::Vector3d& point_in_camera, double t_s) {
@@ -37,7 +37,7 @@ TEST(MotionField, EqualsTheDerivativeOfProjectionAtRandomAttitudes) {
     // above the horizon a point without end stands for the sky
     const Eigen::Vector3d point = bearing.homogeneous() / (rho > 0 ? rho : 1e-12);
     const Eigen::Vector2d derivative =
-        (seen_after(twist, point, kStep_s) - seen_after(twist, point, -kStep_s)) / (2 * kStep_s);
+        (seen_after(twist, point, kTiny_s) - seen_after(twist, point, -kTiny_s)) / (2 * kTiny_s);
     const Eigen::Vector2d linear = motion_field(ground, bearing) * twist.vector();
     EXPECT_LT((linear - derivative).norm(), 1e-6 * (1 + linear.norm())) << "trial " << trial;
   }
@@ -57,9 +57,9 @@ TEST(MotionField, InPixelsEqualsTheDerivativeThroughTheLens) {
       const double rho = inverse_depth(scene.ground(), bearing);
       const Eigen::Vector3d point = bearing.homogeneous() / rho;
       const Eigen::Vector2d derivative =
-          (distort(scene.camera, seen_after(twist, point, kStep_s)).pixel -
-           distort(scene.camera, seen_after(twist, point, -kStep_s)).pixel) /
-          (2 * kStep_s);
+          (distort(scene.camera, seen_after(twist, point, kTiny_s)).pixel -
+           distort(scene.camera, seen_after(twist, point, -kTiny_s)).pixel) /
+          (2 * kTiny_s);
       const Eigen::Vector2d linear =
           motion_field_px(scene.camera, scene.ground(), bearing) * twist.vector();
       EXPECT_LT((linear - derivative).norm(), 1e-5 * (1 + linear.norm()));

@@ -7,6 +7,7 @@
 #include "estimation/integration.hpp"
 #include "estimation/kalman_filter.hpp"
 #include "estimation/least_squares.hpp"
+#include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 
 // Steps 3 to 7 of the flow paper's procedure on flow that is exact: what the method itself costs,
@@ -14,8 +15,6 @@
 
 namespace stillkite {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 const Camera kPaperCamera{.width_px = 1920,
                           .height_px = 1080,

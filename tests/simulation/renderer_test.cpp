@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
-#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 #include "ground_truth.hpp"
 #include "simulation/camera_mount.hpp"
@@ -19,8 +19,6 @@ namespace {
 
 using test::ground_point;
 using test::small_camera;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::shared_ptr<const GroundTexture> smooth_ground(double metres_per_texel) {
   cv::Mat grey = procedural_ground(600, 420, 7);

@@ -3,13 +3,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 #include "simulation/flight.hpp"
 
 namespace stillkite {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 class Derivatives : public testing::TestWithParam<FlightShape> {};
 
