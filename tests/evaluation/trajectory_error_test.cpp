@@ -10,7 +10,7 @@ namespace stillkite {
 namespace {
 
 /// A straight flight of 100 m, a pair each metre, with the same tilted attitude all along.
-std::vector<PosePair> straight_flight() {
+std::vector<PosePair> straight_pairs() {
   std::vector<PosePair> pairs;
   for (int i = 0; i <= 100; ++i) {
     const RigidTransform pose{so3_exp({0.1, -0.2, 0.4}), {1.0 * i, 0, 10}};
@@ -23,7 +23,7 @@ std::vector<PosePair> straight_flight() {
 }
 
 TEST(TrajectoryError, of_a_constant_offset_is_that_offset) {
-  auto pairs = straight_flight();
+  auto pairs = straight_pairs();
   for (PosePair& pair : pairs) pair.estimate.translation += Eigen::Vector3d(3, 4, -12);
   const auto error = trajectory_error(pairs);
   ASSERT_TRUE(error);
@@ -37,13 +37,13 @@ TEST(TrajectoryError, of_a_constant_offset_is_that_offset) {
 
 // Error k/100 at pair k of 0..n: mean square = (2n + 1)(n)/(6 * 100^2).
 TEST(TrajectoryError, of_an_error_that_grows_evenly) {
-  auto pairs = straight_flight();
+  auto pairs = straight_pairs();
   for (int i = 0; i <= 100; ++i) pairs[i].estimate.translation.y() += 0.01 * i;
   EXPECT_NEAR(trajectory_error(pairs)->position_rmse_m, std::sqrt(100.0 * 201 / 6e4), 1e-12);
 }
 
 TEST(TrajectoryError, tells_tilt_from_yaw) {
-  auto pairs = straight_flight();
+  auto pairs = straight_pairs();
   for (PosePair& pair : pairs) {
     pair.estimate.rotation = so3_exp({0.03, 0.04, 0}) * so3_exp({0, 0, -3.1}) * pair.truth.rotation;
   }
@@ -61,7 +61,7 @@ TEST(TrajectoryError, says_nothing_of_nothing) {
 
 // Scale wrong by 2 %: every step of d metres is wrong by 0.02 d, whatever was before.
 TEST(RelativeError, of_a_wrong_scale_is_its_share_of_the_step) {
-  auto pairs = straight_flight();
+  auto pairs = straight_pairs();
   for (PosePair& pair : pairs) pair.estimate.translation *= 1.02;
   const auto frame = relative_error_over_frames(pairs, 1);
   ASSERT_TRUE(frame);
@@ -77,7 +77,7 @@ TEST(RelativeError, of_a_wrong_scale_is_its_share_of_the_step) {
 }
 
 TEST(RelativeError, of_a_constant_yaw_drift) {
-  auto pairs = straight_flight();
+  auto pairs = straight_pairs();
   for (int i = 0; i <= 100; ++i) {
     pairs[i].estimate.rotation = so3_exp({0, 0, 0.001 * i}) * pairs[i].truth.rotation;
   }

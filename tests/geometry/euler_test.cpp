@@ -11,7 +11,7 @@
 namespace stillkite {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Euler, is_yaw_then_pitch_then_roll) {
   std::mt19937 random(1);
@@ -55,7 +55,7 @@ TEST(Euler, round_trip_on_rotations_everywhere) {
 }
 
 TEST(Euler, at_gimbal_lock_roll_is_zero_and_yaw_takes_all) {
-  for (const double pitch : {kPi / 2, -kPi / 2}) {
+  for (const double pitch : {pi / 2, -pi / 2}) {
     const EulerAngles angles{.yaw_rad = 0.7, .pitch_rad = pitch, .roll_rad = 0.4};
     const EulerAngles back = to_euler(to_quaternion(angles));
     EXPECT_NEAR(back.pitch_rad, pitch, 1e-8);
@@ -85,22 +85,22 @@ TEST(Euler, rates_are_the_derivative_of_the_angles) {
 }
 
 TEST(WrapAngle, is_in_the_half_open_turn) {
-  EXPECT_EQ(wrap_angle_rad(kPi), kPi);
-  EXPECT_EQ(wrap_angle_rad(-kPi), kPi);
-  EXPECT_NEAR(wrap_angle_rad(3 * kPi + 0.25), -kPi + 0.25, 1e-14);
-  EXPECT_NEAR(wrap_angle_rad(-200 * kPi - 0.25), -0.25, 1e-12);
+  EXPECT_EQ(wrap_angle_rad(pi), pi);
+  EXPECT_EQ(wrap_angle_rad(-pi), pi);
+  EXPECT_NEAR(wrap_angle_rad(3 * pi + 0.25), -pi + 0.25, 1e-14);
+  EXPECT_NEAR(wrap_angle_rad(-200 * pi - 0.25), -0.25, 1e-12);
   // the hold paper's bug: two headings either side of the cut are two degrees apart, not 358
-  EXPECT_NEAR(wrap_angle_rad(to_euler(to_quaternion({.yaw_rad = kPi - 0.01})).yaw_rad -
-                             to_euler(to_quaternion({.yaw_rad = -kPi + 0.01})).yaw_rad),
+  EXPECT_NEAR(wrap_angle_rad(to_euler(to_quaternion({.yaw_rad = pi - 0.01})).yaw_rad -
+                             to_euler(to_quaternion({.yaw_rad = -pi + 0.01})).yaw_rad),
               -0.02, 1e-14);
 }
 
 TEST(Tilt, is_the_angle_off_the_vertical_whatever_the_heading) {
-  for (const double yaw : {0.0, 1.0, kPi, -2.0}) {
+  for (const double yaw : {0.0, 1.0, pi, -2.0}) {
     EXPECT_NEAR(tilt_rad(to_quaternion({.yaw_rad = yaw})), 0.0, 1e-15);
     EXPECT_NEAR(tilt_rad(to_quaternion({.yaw_rad = yaw, .pitch_rad = 1e-9})), 1e-9, 1e-15);
     EXPECT_NEAR(tilt_rad(to_quaternion({.yaw_rad = yaw, .roll_rad = -0.5})), 0.5, 1e-15);
-    EXPECT_NEAR(tilt_rad(to_quaternion({.yaw_rad = yaw, .roll_rad = kPi})), kPi, 1e-15);
+    EXPECT_NEAR(tilt_rad(to_quaternion({.yaw_rad = yaw, .roll_rad = pi})), pi, 1e-15);
   }
 }
 

@@ -10,7 +10,7 @@
 namespace stillkite {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 RigidTransform random_transform(std::mt19937& random) {
   return {random_rotation(random), random_vector(random, 10.0)};
@@ -18,7 +18,7 @@ RigidTransform random_transform(std::mt19937& random) {
 
 TEST(RigidTransform, maps_a_point_and_its_translation_is_the_origin_of_a_in_b) {
   const RigidTransform b_from_a{
-      Eigen::Quaterniond(Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitZ())), {1, 2, 3}};
+      Eigen::Quaterniond(Eigen::AngleAxisd(pi / 2, Eigen::Vector3d::UnitZ())), {1, 2, 3}};
   EXPECT_TRUE((b_from_a * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(1, 3, 3), 1e-15));
   EXPECT_EQ(b_from_a * Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3));
 }
@@ -50,7 +50,7 @@ TEST(Skew, is_the_cross_product) {
 
 TEST(So3, exp_is_the_rotation_about_the_axis) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3.0;
-  for (const double angle : {0.0, 1e-12, 1e-7, 1e-6, 1e-3, 1.0, 3.0, kPi, 5.0}) {
+  for (const double angle : {0.0, 1e-12, 1e-7, 1e-6, 1e-3, 1.0, 3.0, pi, 5.0}) {
     const Eigen::Quaterniond expected(Eigen::AngleAxisd(angle, axis));
     EXPECT_TRUE(so3_exp(angle * axis).isApprox(expected, 1e-15)) << angle;
   }
@@ -58,8 +58,8 @@ TEST(So3, exp_is_the_rotation_about_the_axis) {
 
 TEST(So3, log_inverts_exp_at_every_angle_up_to_pi) {
   std::mt19937 random(3);
-  for (const double angle : {0.0, 1e-15, 1e-10, 2e-9, 1e-6, 1e-3, 0.5, 1.0, 2.0, 3.0, kPi - 1e-3,
-                             kPi - 1e-6, kPi - 1e-9, kPi - 1e-12}) {
+  for (const double angle : {0.0, 1e-15, 1e-10, 2e-9, 1e-6, 1e-3, 0.5, 1.0, 2.0, 3.0, pi - 1e-3,
+                             pi - 1e-6, pi - 1e-9, pi - 1e-12}) {
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector3d w = angle * random_vector(random, 1.0).normalized();
       EXPECT_NEAR((so3_log(so3_exp(w)) - w).norm(), 0.0, 4e-15 * std::max(1.0, angle)) << angle;
@@ -79,11 +79,11 @@ TEST(So3, log_takes_the_short_way_for_either_sign_of_the_quaternion) {
   for (int i = 0; i < 100; ++i) {
     const Eigen::Quaterniond q = random_rotation(random);
     const Eigen::Quaterniond negative(-q.coeffs());
-    EXPECT_LE(so3_log(q).norm(), kPi);
+    EXPECT_LE(so3_log(q).norm(), pi);
     EXPECT_TRUE(so3_log(q).isApprox(so3_log(negative), 1e-15));
   }
   // beyond half a turn the rotation is the shorter one the other way round
-  EXPECT_TRUE(so3_log(so3_exp({0, 0, 4.0})).isApprox(Eigen::Vector3d(0, 0, 4.0 - 2 * kPi), 1e-15));
+  EXPECT_TRUE(so3_log(so3_exp({0, 0, 4.0})).isApprox(Eigen::Vector3d(0, 0, 4.0 - 2 * pi), 1e-15));
 }
 
 TEST(So3, left_jacobian_is_the_derivative_of_exp) {

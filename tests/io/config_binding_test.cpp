@@ -59,13 +59,13 @@ struct Sample {
   }
 };
 
-Sample parse(const std::string& text) {
+Sample parse_sample(const std::string& text) {
   return bind_config<Sample>(parse_yaml(text, "a.yaml", "/base"));
 }
 
-std::string error_of(const std::string& text) {
+std::string sample_error(const std::string& text) {
   try {
-    (void)parse(text);
+    (void)parse_sample(text);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -73,11 +73,11 @@ std::string error_of(const std::string& text) {
 }
 
 TEST(ConfigBinding, WhatIsNotGivenKeepsItsDefault) {
-  EXPECT_EQ(parse("{}"), Sample{});
+  EXPECT_EQ(parse_sample("{}"), Sample{});
 }
 
 TEST(ConfigBinding, ReadsEveryKindOfField) {
-  const Sample sample = parse(
+  const Sample sample = parse_sample(
       "on: true\ncount: 7\nlength_m: 2e-3\nname: 'x: y'\nfile: sub/f.csv\nlist: [4]\n"
       "triple: [-1, +2, .5]\nmaybe: 8\nmaybe_inner: {gain: 1}\ninner:\n  shape: square\n");
   const Sample expected{.on = true,
@@ -102,11 +102,11 @@ TEST(ConfigBinding, WhatIsPrintedReadsBackAsTheSame) {
                 .list = {},
                 .triple = {1e-300, 0.1, 7},
                 .maybe = 0.0};
-  EXPECT_EQ(parse(print_config(sample)), sample);
+  EXPECT_EQ(parse_sample(print_config(sample)), sample);
   sample.maybe_inner = Inner{.gain = 0.25, .shape = Shape::square};
   sample.name = "null";
-  EXPECT_EQ(parse(print_config(sample)), sample);
-  EXPECT_EQ(parse(print_config(Sample{})), Sample{});
+  EXPECT_EQ(parse_sample(print_config(sample)), sample);
+  EXPECT_EQ(parse_sample(print_config(Sample{})), Sample{});
 }
 
 TEST(ConfigBinding, PrintsHelpRangeAndNames) {
@@ -118,30 +118,31 @@ TEST(ConfigBinding, PrintsHelpRangeAndNames) {
 }
 
 TEST(ConfigBinding, MessagesNamePlaceKeyValueAndRemedy) {
-  EXPECT_EQ(error_of("on: true\ncoutn: 3\n"),
+  EXPECT_EQ(sample_error("on: true\ncoutn: 3\n"),
             "a.yaml:2:1: coutn: unknown key, did you mean 'count'?; known keys: on, count, "
             "length_m, name, file, list, triple, maybe, maybe_inner, inner");
-  EXPECT_EQ(error_of("inner:\n  gain: 1.5\n"),
+  EXPECT_EQ(sample_error("inner:\n  gain: 1.5\n"),
             "a.yaml:2:3: inner.gain: 1.5 is out of range, allowed is [0, 1]");
-  EXPECT_EQ(error_of("inner: {zzz: 1}"),
+  EXPECT_EQ(sample_error("inner: {zzz: 1}"),
             "a.yaml:1:9: inner.zzz: unknown key; known keys of inner: gain, shape");
-  EXPECT_EQ(error_of("inner: {shape: sqare}"),
+  EXPECT_EQ(sample_error("inner: {shape: sqare}"),
             "a.yaml:1:9: inner.shape: 'sqare' is not one of round, square, did you mean 'square'?");
-  EXPECT_EQ(error_of("length_m: 0"),
+  EXPECT_EQ(sample_error("length_m: 0"),
             "a.yaml:1:1: length_m: 0 is out of range, allowed is (0, inf)");
-  EXPECT_EQ(error_of("count: 3.5"), "a.yaml:1:1: count: '3.5' is not a whole number");
-  EXPECT_EQ(error_of("count: 99999999999"),
+  EXPECT_EQ(sample_error("count: 3.5"), "a.yaml:1:1: count: '3.5' is not a whole number");
+  EXPECT_EQ(sample_error("count: 99999999999"),
             "a.yaml:1:1: count: 99999999999 is out of range, allowed is [1, 99]");
-  EXPECT_EQ(error_of("length_m: .nan"), "a.yaml:1:1: length_m: '.nan' is not a finite number");
-  EXPECT_EQ(error_of("length_m: '1'"), "a.yaml:1:1: length_m: '1' is not a finite number");
-  EXPECT_EQ(error_of("on: yes"), "a.yaml:1:1: on: 'yes' is neither true nor false");
-  EXPECT_EQ(error_of("on:"), "a.yaml:1:1: on: nothing is given, true or false is needed");
-  EXPECT_EQ(error_of("triple: [1, 2]"),
+  EXPECT_EQ(sample_error("length_m: .nan"), "a.yaml:1:1: length_m: '.nan' is not a finite number");
+  EXPECT_EQ(sample_error("length_m: '1'"), "a.yaml:1:1: length_m: '1' is not a finite number");
+  EXPECT_EQ(sample_error("on: yes"), "a.yaml:1:1: on: 'yes' is neither true nor false");
+  EXPECT_EQ(sample_error("on:"), "a.yaml:1:1: on: nothing is given, true or false is needed");
+  EXPECT_EQ(sample_error("triple: [1, 2]"),
             "a.yaml:1:1: triple: a list of 3 numbers is needed, 2 are given");
-  EXPECT_EQ(error_of("list: 3"), "a.yaml:1:1: list: a list of numbers such as [1, 2] is needed");
-  EXPECT_EQ(error_of("on: true\non: false\n"), "a.yaml:2:1: key 'on' is given twice; keep one");
-  EXPECT_EQ(error_of("inner: 3"), "a.yaml:1:1: inner: a group of keys is needed: gain, shape");
-  EXPECT_EQ(error_of("a: b: c"), "a.yaml:1:5: not YAML: illegal map value");
+  EXPECT_EQ(sample_error("list: 3"),
+            "a.yaml:1:1: list: a list of numbers such as [1, 2] is needed");
+  EXPECT_EQ(sample_error("on: true\non: false\n"), "a.yaml:2:1: key 'on' is given twice; keep one");
+  EXPECT_EQ(sample_error("inner: 3"), "a.yaml:1:1: inner: a group of keys is needed: gain, shape");
+  EXPECT_EQ(sample_error("a: b: c"), "a.yaml:1:5: not YAML: illegal map value");
 }
 
 TEST(ConfigBinding, OverridesGoThroughTheSameChecks) {
@@ -173,21 +174,21 @@ TEST(ConfigBinding, OverridesGoThroughTheSameChecks) {
 
 TEST(ConfigBinding, PathsExpandEnvironmentVariables) {
   ASSERT_EQ(setenv("STILLKITE_TEST_FOLDER", "/data", 1), 0);
-  EXPECT_EQ(parse("file: ${STILLKITE_TEST_FOLDER}/a/../b.csv").file, "/data/b.csv");
-  EXPECT_EQ(error_of("file: ${STILLKITE_NO_SUCH}/x"),
+  EXPECT_EQ(parse_sample("file: ${STILLKITE_TEST_FOLDER}/a/../b.csv").file, "/data/b.csv");
+  EXPECT_EQ(sample_error("file: ${STILLKITE_NO_SUCH}/x"),
             "a.yaml:1:1: file: the environment variable STILLKITE_NO_SUCH of "
             "'${STILLKITE_NO_SUCH}/x' is not set; export it or write the path out");
 }
 
 TEST(ConfigBinding, DocumentsThatGrowWithoutBoundAreRejected) {
-  EXPECT_THROW((void)parse("a: &x [*x]"), InputError);
+  EXPECT_THROW((void)parse_sample("a: &x [*x]"), InputError);
   std::string bomb = "a0: &a0 [1,1,1,1,1,1,1,1,1,1]\n";
   for (int i = 1; i < 9; ++i) {
     bomb += fmt::format("a{0}: &a{0} [*a{1},*a{1},*a{1},*a{1},*a{1},*a{1},*a{1},*a{1},*a{1}]\n", i,
                         i - 1);
   }
-  EXPECT_THROW((void)parse(bomb), InputError);
-  EXPECT_THROW((void)parse(std::string(100000, '[')), InputError);
+  EXPECT_THROW((void)parse_sample(bomb), InputError);
+  EXPECT_THROW((void)parse_sample(std::string(100000, '[')), InputError);
 }
 
 }  // namespace

@@ -12,10 +12,10 @@
 namespace stillkite {
 namespace {
 
-constexpr int kFrames = 40;
+constexpr int kWritten = 40;
 
 // A pattern that moves two pixels a frame and uses all greys.
-cv::Mat picture(int frame) {
+cv::Mat picture_of_frame(int frame) {
   cv::Mat grey(96, 128, CV_8UC1);
   for (int row = 0; row < grey.rows; ++row) {
     for (int column = 0; column < grey.cols; ++column) {
@@ -26,9 +26,10 @@ cv::Mat picture(int frame) {
   return grey;
 }
 
-void write_video(const std::filesystem::path& file, double rate_hz, const EncoderConfig& config) {
+void encode_pattern(const std::filesystem::path& file, double rate_hz,
+                    const EncoderConfig& config) {
   VideoWriter writer(file, {128, 96}, rate_hz, config);
-  for (int frame = 0; frame < kFrames; ++frame) writer.write(picture(frame));
+  for (int frame = 0; frame < kWritten; ++frame) writer.write(picture_of_frame(frame));
   writer.commit();
 }
 
@@ -36,12 +37,12 @@ TEST(VideoWriter, LosslessVideoReadsBackAsWritten) {
   const TemporaryFolder folder;
   for (const double rate_hz : {25.0, 30.0, 29.97}) {
     const auto file = folder.path() / "flight.mp4";
-    write_video(file, rate_hz, {.crf = 0, .preset = EncoderPreset::ultrafast});
+    encode_pattern(file, rate_hz, {.crf = 0, .preset = EncoderPreset::ultrafast});
     VideoReader reader(file, 0, std::nullopt);
-    for (int frame = 0; frame < kFrames; ++frame) {
+    for (int frame = 0; frame < kWritten; ++frame) {
       const ReadResult result = reader.read({});
       ASSERT_EQ(result.status, ReadResult::Status::frame) << frame;
-      EXPECT_EQ(cv::norm(result.frame.grey, picture(frame), cv::NORM_INF), 0) << frame;
+      EXPECT_EQ(cv::norm(result.frame.grey, picture_of_frame(frame), cv::NORM_INF), 0) << frame;
       EXPECT_NEAR(to_seconds(result.frame.stamp), frame / rate_hz, 1e-5) << frame;
     }
   }
@@ -50,17 +51,17 @@ TEST(VideoWriter, LosslessVideoReadsBackAsWritten) {
 TEST(VideoWriter, StampsOfWholeRatesAreExact) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "flight.mp4";
-  write_video(file, 25, {});
+  encode_pattern(file, 25, {});
   VideoReader reader(file, 0, std::nullopt);
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < kWritten; ++frame) {
     EXPECT_EQ(reader.read({}).frame.stamp.ns, frame * 40'000'000LL);
   }
 }
 
 TEST(VideoWriter, SamePicturesGiveTheSameBytes) {
   const TemporaryFolder folder;
-  write_video(folder.path() / "a.mp4", 25, {});
-  write_video(folder.path() / "b.mp4", 25, {});
+  encode_pattern(folder.path() / "a.mp4", 25, {});
+  encode_pattern(folder.path() / "b.mp4", 25, {});
   EXPECT_EQ(read_text_file(folder.path() / "a.mp4"), read_text_file(folder.path() / "b.mp4"));
 }
 
@@ -89,7 +90,7 @@ TEST(VideoWriter, LeavesNothingBehindUnlessCommitted) {
   const TemporaryFolder folder;
   {
     VideoWriter writer(folder.path() / "flight.mp4", {128, 96}, 25, {});
-    writer.write(picture(0));
+    writer.write(picture_of_frame(0));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
