@@ -8,6 +8,8 @@
 #define HWY_TARGET_INCLUDE "flow/tile_shift.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// highway.h first
+#include <hwy/cache_control.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace stillkite {
@@ -189,32 +191,67 @@ TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdi
   return s;
 }
 
+// Where a tile lands in the current image, in whole pixels and 1/128.
+struct Landing {
+  float dx, dy;  // as asked for
+  int steps_x, steps_y;
+  int x, y;
+
+  [[nodiscard]] bool is_inside(const TileGrid& grid, const ImageView& cur) const {
+    return x >= 1 && y >= 1 && x + grid.columns + 1 < cur.width && y + grid.rows + 1 < cur.height;
+  }
+};
+HWY_INLINE Landing land(const TileGrid& grid, const TilePlacement& placement, int i) {
+  const auto steps = [](float d) {
+    return static_cast<int>(std::floor(std::clamp(d, -1e5F, 1e5F) * 128.0F + 0.5F));
+  };
+  Landing at{};
+  at.dx = placement.x_px[i] - grid.centre_x_px[i];
+  at.dy = placement.y_px[i] - grid.centre_y_px[i];
+  at.steps_x = steps(at.dx);
+  at.steps_y = steps(at.dy);
+  at.x = grid.left_px[i] + (at.steps_x >> 7);
+  at.y = grid.top_px[i] + (at.steps_y >> 7);
+  return at;
+}
+
+// A tile is some twenty short rows of two images, more streams than a processor fetches ahead by
+// itself.
+HWY_INLINE void fetch_ahead(const ImageView& ref, const ImageView& cur, const TileGrid& grid,
+                            const TilePlacement& placement, int i) {
+  const Landing at = land(grid, placement, i);
+  if (!at.is_inside(grid, cur)) return;
+  const std::uint8_t* p = ref.data + grid.top_px[i] * ref.stride + grid.left_px[i];
+  const std::uint8_t* q = cur.data + at.y * cur.stride + at.x;
+  for (int row = 0; row < grid.rows; ++row) {
+    hwy::Prefetch(p + row * ref.stride);
+    hwy::Prefetch(q + row * cur.stride);
+  }
+}
+
 template <int kColumns, bool kFine, bool kWithContrast>
 void measure_all(const ImageView& ref, const ImageView& cur, const TileGrid& grid,
                  const TilePlacement& placement, float gain, TileMeasurements& out) {
+  constexpr int kAhead = 4;
   const int gain_q15 =
       static_cast<int>(std::lround(std::clamp(gain - 1.0F, -0.99F, 0.99F) * 32768.0F));
   const float pixels = static_cast<float>(grid.columns * grid.rows);
   for (int i = 0; i < grid.count; ++i) {
-    const float dx = placement.x_px[i] - grid.centre_x_px[i];
-    const float dy = placement.y_px[i] - grid.centre_y_px[i];
-    const int steps_x = static_cast<int>(std::floor(std::clamp(dx, -1e5F, 1e5F) * 128.0F + 0.5F));
-    const int steps_y = static_cast<int>(std::floor(std::clamp(dy, -1e5F, 1e5F) * 128.0F + 0.5F));
-    const int x = grid.left_px[i] + (steps_x >> 7);
-    const int y = grid.top_px[i] + (steps_y >> 7);
-    if (x < 1 || y < 1 || x + grid.columns + 1 >= cur.width || y + grid.rows + 1 >= cur.height) {
+    if (i + kAhead < grid.count) fetch_ahead(ref, cur, grid, placement, i + kAhead);
+    const Landing to = land(grid, placement, i);
+    if (!to.is_inside(grid, cur)) {
       store({}, pixels, {}, i, out);
       continue;
     }
     const TilePlace at{ref.data + grid.top_px[i] * ref.stride + grid.left_px[i],
-                       cur.data + y * cur.stride + x, steps_x & 127, steps_y & 127};
+                       cur.data + to.y * cur.stride + to.x, to.steps_x & 127, to.steps_y & 127};
     const Deformation a{placement.axx[i], placement.axy[i], placement.ayx[i], placement.ayy[i]};
     store(shifted_tile<kColumns, kFine, kWithContrast>(at, ref.stride, cur.stride, grid.rows, a,
                                                        gain_q15),
           pixels, a, i, out);
     // the shift was rounded to 1/128 px: refer the step to the place that was asked for
-    const float ex = static_cast<float>(steps_x) / 128.0F - dx;
-    const float ey = static_cast<float>(steps_y) / 128.0F - dy;
+    const float ex = static_cast<float>(to.steps_x) / 128.0F - to.dx;
+    const float ey = static_cast<float>(to.steps_y) / 128.0F - to.dy;
     out.gx[i] += out.gxx[i] * ex + out.gxy[i] * ey;
     out.gy[i] += out.gxy[i] * ex + out.gyy[i] * ey;
   }
