@@ -43,7 +43,7 @@ struct NavigationEstimate {
   RigidTransform world_from_body;
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in world
 
-  Twist twist_in_camera;                         ///< filtered
+  Twist twist_in_camera;  ///< filtered; with keyframes the mean over the interval, half way
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)
   std::optional<Twist> measured_twist;           ///< this frame's least squares, before the filter
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();

@@ -20,6 +20,7 @@ add_custom_command(
           ${STILLKITE_DYGRAPHS_CSS}
   COMMENT "Embedding the report's page"
   VERBATIM)
+set_source_files_properties(${report_assets} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_sources(stillkite_io PRIVATE
   ${report_assets} base64.cpp decimation.cpp report.cpp report_series.cpp)
 target_link_libraries(stillkite_io PUBLIC nlohmann_json::nlohmann_json)
