@@ -16,7 +16,6 @@
 namespace stillkite {
 namespace {
 
-
 // Streams of the seed, one a purpose.
 enum Stream : std::uint64_t {
   kGround = 1,
