@@ -3,6 +3,12 @@
 #include <Eigen/Cholesky>
 
 namespace stillkite {
+namespace {
+
+// The way of a shorter interval is lost in rounding.
+constexpr double kShortest_s = 1e-6;
+
+}  // namespace
 
 MotionFilter::MotionFilter(const MotionFilterConfig& config) : config_(config) {}
 
@@ -143,7 +149,7 @@ Matrix6d MotionFilter::twist_covariance() const {
 }
 
 Twist MotionFilter::mean_twist_in_camera() const {
-  if (interval_s_ == 0) return twist_in_camera();
+  if (interval_s_ < kShortest_s) return twist_in_camera();
   const Eigen::Vector3d turn = so3_log(previous_pose_.rotation.conjugate() * pose_.rotation);
   const Eigen::Quaterniond half_way = previous_pose_.rotation * so3_exp(0.5 * turn);
   const Eigen::Vector3d way = pose_.translation - previous_pose_.translation;
@@ -156,7 +162,7 @@ Matrix6d MotionFilter::way_covariance() const {
 }
 
 Matrix6d MotionFilter::mean_twist_covariance() const {
-  if (interval_s_ == 0) return twist_covariance();
+  if (interval_s_ < kShortest_s) return twist_covariance();
   Matrix6d J = Matrix6d::Zero();
   J.topLeftCorner<3, 3>() = pose_.rotation.conjugate().toRotationMatrix() / interval_s_;
   J.bottomRightCorner<3, 3>() = J.topLeftCorner<3, 3>();

@@ -59,7 +59,7 @@ class MotionFilter {
   /// Covariance of (velocity, rate) in the camera at the last frame.
   [[nodiscard]] Matrix6d twist_covariance() const;
   /// Mean twist over the last interval, in the camera half way: the way between its two poses, the
-  /// first one smoothed by the last frame. Where there is no such interval, the last frame's twist.
+  /// first one smoothed by the last frame. Where there is no interval, the last frame's twist.
   [[nodiscard]] Twist mean_twist_in_camera() const;
   [[nodiscard]] Matrix6d mean_twist_covariance() const;
   [[nodiscard]] Matrix6d pose_covariance() const { return P_.topLeftCorner<6, 6>(); }

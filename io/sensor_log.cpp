@@ -35,13 +35,21 @@ std::optional<Value> value_at(const TimeSeries<Value>& series, Timestamp stamp) 
   return between(series.values[i - 1], series.values[i], ratio);
 }
 
-// A reading counts once, however many frames lie between it and the next.
+// A reading counts once, however many frames lie between it and the next; where the next is too
+// far to lie on a line with, as it is if it is fresh.
 template <typename Value>
 std::optional<Value> new_value_at(const TimeSeries<Value>& series, Timestamp before,
                                   Timestamp now) {
-  const auto next = std::upper_bound(series.stamps.begin(), series.stamps.end(), before);
-  const bool is_new = next != series.stamps.end() && *next <= now;
-  return is_new || before == now ? value_at(series, now) : std::nullopt;
+  if (before == now) return value_at(series, now);
+  const auto after = std::upper_bound(series.stamps.begin(), series.stamps.end(), now);
+  if (after == series.stamps.begin()) return std::nullopt;
+  const Timestamp last = *(after - 1);
+  if (last <= before) return std::nullopt;
+  std::optional<Value> value = value_at(series, now);
+  if (!value && seconds_between(last, now) <= kFresh_s) {
+    value = series.values[static_cast<std::size_t>(after - series.stamps.begin()) - 1];
+  }
+  return value;
 }
 
 std::optional<Eigen::Vector3d> mean_between(const TimeSeries<Eigen::Vector3d>& series,

@@ -33,9 +33,13 @@ struct SensorLog {
 /// Neighbouring readings further apart than this are a gap, in which nothing is known.
 inline constexpr double kLongestGap_s = 0.5;
 
-/// Readings for the frame at `now`: height and attitude interpolated at its stamp where a reading
-/// came since `before`, acceleration at any stamp, the gyro's mean from `before` to `now` (the
-/// integral of the line through its readings). Nothing outside a log and in its gaps.
+/// A slow sensor's height or attitude holds for this long without a neighbour to interpolate to.
+inline constexpr double kFresh_s = 0.05;
+
+/// Readings for the frame at `now`: height and attitude where a reading came since `before`,
+/// interpolated at the frame's stamp or, before a gap, as long as it is fresh; acceleration at any
+/// stamp; the gyro's mean from `before` to `now` (the integral of the line through its readings).
+/// Else nothing outside a log and in its gaps.
 [[nodiscard]] SensorReadings readings_between(const SensorLog& log, Timestamp before,
                                               Timestamp now);
 

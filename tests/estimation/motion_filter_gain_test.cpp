@@ -147,5 +147,15 @@ TEST(MotionFilterMeanTwist, CovarianceOutlivesANewOriginAndTurnsWithTheWorld) {
   EXPECT_EQ(filter.pose_covariance().norm(), 0);
 }
 
+TEST(MotionFilterMeanTwist, NoIntervalIsTheInstant) {
+  MotionFilter filter(kConfig);
+  filter.start({so3_exp({0.4, -1.0, 0.3}), {100, 2, 3}}, 5, 1);
+  for (const double dt_s : {0.0, 7e-18}) {
+    if (dt_s > 0) filter.predict(dt_s);
+    EXPECT_EQ(filter.mean_twist_in_camera().vector(), filter.twist_in_camera().vector());
+    EXPECT_EQ(filter.mean_twist_covariance(), filter.twist_covariance());
+  }
+}
+
 }  // namespace
 }  // namespace stillkite

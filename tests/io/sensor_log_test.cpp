@@ -22,12 +22,24 @@ TEST(SensorLog, HeightIsInterpolatedAndUnknownOutside) {
   EXPECT_DOUBLE_EQ(*height(1.05), 10.5);
   EXPECT_DOUBLE_EQ(*height(3.0), 30);
   EXPECT_FALSE(height(0.99).has_value());
-  EXPECT_FALSE(height(3.01).has_value());
+  EXPECT_FALSE(height(3.06).has_value());
   EXPECT_FALSE(height(2.0).has_value());  // in a gap of 1.8 s
   // a reading counts once: between 1.0 and 1.2 there is no new one
   EXPECT_FALSE(readings_between(log, at_s(1.0), at_s(1.1)).height_m.has_value());
   EXPECT_DOUBLE_EQ(*readings_between(log, at_s(0.9), at_s(1.1)).height_m, 11);
   EXPECT_FALSE(readings_between({}, at_s(0), at_s(1)).height_m.has_value());
+}
+
+// One reading a second: too far apart to draw a line, each still counts.
+TEST(SensorLog, ReadingOfASlowSensorCountsWhileItIsFresh) {
+  const SensorLog log{.height_m = {.stamps = {at_s(1), at_s(2), at_s(3)}, .values = {10, 12, 30}}};
+  const auto height = [&](double before_s, double now_s) {
+    return readings_between(log, at_s(before_s), at_s(now_s)).height_m;
+  };
+  EXPECT_EQ(height(1.99, 2.03), 12);
+  EXPECT_FALSE(height(2.03, 2.07).has_value());
+  EXPECT_FALSE(height(1.9, 2.1).has_value());
+  EXPECT_EQ(height(2.97, 3.01), 30);
 }
 
 // The mean of a line over any interval is its value in the middle.
