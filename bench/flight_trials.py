@@ -4,11 +4,18 @@
 One row a trial: median over the seeds and grounds, the worst in brackets. What is already in the
 folder of results is not made again, so that an interrupted call goes on where it was.
 
-  clean      the flight from its true start state
-  tilt       the same pictures, the start's roll wrong by 1 deg
-  paper      the same pictures, the paper's plain mode (configs/paper.yaml)
-  relief     hills of 5 m
-  disturbed  exposure rising by 30 %, flicker, a vehicle on 4 % of the picture
+  clean        the flight from its true start state
+  tilt         the same pictures, the start's roll wrong by 1 deg
+  paper        the same pictures, the paper's plain mode (configs/paper.yaml)
+  relief       hills of 5 m
+  disturbed    exposure rising by 30 %, flicker, a vehicle on 4 % of the picture
+
+What a mode buys, one switched off at a time:
+
+  last-frame   clean, aligned to the last frame instead of a keyframe
+  unlevelled   tilt, roll and pitch not corrected by the ground's normal
+  first-order  clean, windows shifted only
+  plain        disturbed, every window with the same weight
 """
 
 import argparse
@@ -24,14 +31,19 @@ import threading
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# trial -> (configuration of the simulation, folder of the flight's pictures)
+# trial -> (configuration of the simulation, folder of the flight's pictures, keys set for the run)
 TRIALS = {
-    "clean": ("simulate_paper", "flat"),
-    "tilt": ("simulate_paper", "flat"),
-    "paper": ("simulate_paper", "flat"),
-    "relief": ("simulate_relief", "relief"),
-    "disturbed": ("simulate_disturbed", "disturbed"),
+    "clean": ("simulate_paper", "flat", []),
+    "tilt": ("simulate_paper", "flat", []),
+    "paper": ("simulate_paper", "flat", []),
+    "relief": ("simulate_relief", "relief", []),
+    "disturbed": ("simulate_disturbed", "disturbed", []),
+    "last-frame": ("simulate_paper", "flat", ["navigator.keyframes.enabled=false"]),
+    "unlevelled": ("simulate_paper", "flat", ["navigator.levelling.enabled=false"]),
+    "first-order": ("simulate_paper", "flat", ["navigator.alignment.exact_warp=false"]),
+    "plain": ("simulate_disturbed", "disturbed", ["navigator.alignment.solver.robust=false"]),
 }
+WRONG_START = ("tilt", "unlevelled")
 
 # what of a trial is printed: heading, unit, number from the trial's results
 COLUMNS = [
@@ -102,8 +114,9 @@ def navigate(options, trial, flight, results):
                 arguments += ["--set", f"{key}.path={flight / name}"]
         else:
             arguments = [flight / "run.yaml"]
-        if trial == "tilt":
+        if trial in WRONG_START:
             arguments += start_with_wrong_roll(truth, 1)
+        arguments += [word for key in TRIALS[trial][2] for word in ("--set", key)]
         stillkite(options.command, "run", *arguments, "--out", results)
     answer = json.loads((results / "summary.json").read_text())
     end = tum_ends(results / "trajectory.tum")[1]
@@ -124,7 +137,7 @@ def fly(options, pictures, seed, ground):
         answer = navigate(options, trial, flight, options.out / options.label / f"{trial}-{name}-{seed}")
         values = "  ".join(f"{column[2](answer):.4g}" for column in COLUMNS)
         with printing:
-            print(f"  {trial:10} {name:18} seed {seed:<4} {values}", file=sys.stderr, flush=True)
+            print(f"  {trial:12} {name:18} seed {seed:<4} {values}", file=sys.stderr, flush=True)
         answers.append((trial, name, answer))
     return answers
 
