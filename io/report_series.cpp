@@ -68,9 +68,11 @@ void add_state(Table& table, const NavigationEstimate& estimate,
   table.add("position_sigma", "m", standard_deviation(P.topLeftCorner<3, 3>()));
   table.add("attitude_sigma", "deg", standard_deviation(P.bottomRightCorner<3, 3>()) / kDegree);
   table.add("velocity", "m_s", estimate.velocity_in_world_m_s);
-  table.add(
-      "velocity_sigma", "m_s",
-      standard_deviation(R * estimate.twist_covariance.topLeftCorner<3, 3>() * R.transpose()));
+  // before anything is measured any speed is possible: that band would hide the whole flight
+  const Eigen::Matrix3d of_velocity =
+      R * estimate.twist_covariance.topLeftCorner<3, 3>() * R.transpose();
+  table.add("velocity_sigma", "m_s",
+            estimate.verdict == Verdict::first_frame ? nothing() : standard_deviation(of_velocity));
 }
 
 void add_errors(Table& table, const NavigationEstimate& estimate,
