@@ -264,19 +264,13 @@ TEST(MovingGround, IsNotTakenForMotion) {
 
 // Hills of 3 m under 30 m are rigid: what parts the windows is the camera's way.
 TEST(MovingGround, ReliefIsNone) {
-  SimulationConfig config;
-  config.camera.width_px = 640;
-  config.camera.height_px = 360;
-  config.camera.focal_x_px = config.camera.focal_y_px = 400;
-  config.camera.centre_x_px = 319.5;
-  config.camera.centre_y_px = 179.5;
+  SimulationConfig config = test::small_flight(1);
   config.flight.duration_s = 1;
   config.flight.height_m = 30;
   config.flight.forward_m = 8;
   config.flight.left_m = 0;
   config.flight.climb_m = 0;
   config.flight.sway_m = 0;
-  config.ground.side_texels = 1500;
   config.ground.relief.amplitude_m = 3;
   config.ground.relief.correlation_length_m = 15;
   const test::RenderedFlight flight = test::film(config);
