@@ -115,7 +115,9 @@ void print_table(const Evaluation& evaluation, const EvaluateArguments& argument
              error.tilt_rmse_rad / kDegree, error.yaw_rmse_rad / kDegree);
   print_relative("relative, a frame", evaluation.per_frame);
   print_relative("relative, path / 10", evaluation.per_tenth);
-  fmt::print("\n{:<29} {:>10} {:>11} {:>11}\n", "Motion in the camera", "x", "y", "z");
+  // a trajectory tells no speeds: where it is corrected it jumps, and its rate with it
+  fmt::print("\nMotion in the camera, by the differences of the estimated poses\n");
+  fmt::print("{:<29} {:>10} {:>11} {:>11}\n", "", "x", "y", "z");
   print_axes("velocity", evaluation.velocity, "m/s");
   print_axes("rate", evaluation.angular_rate, "rad/s");
 }
