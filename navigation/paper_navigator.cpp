@@ -5,8 +5,8 @@
 
 #include "estimation/integration.hpp"
 #include "estimation/motion_field.hpp"
+#include "navigation/assumptions.hpp"
 #include "navigation/picture_texture.hpp"
-#include "navigation/start_uncertainty.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "navigation/start_uncertainty.hpp"
+#include "navigation/assumptions.hpp"
 
 namespace stillkite {
 

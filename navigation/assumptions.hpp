@@ -1,5 +1,7 @@
 #pragma once
 
+// What is assumed of every flight, in either mode.
+
 namespace stillkite {
 
 /// Variance of what is known exactly at the start, so that its covariance can be inverted.
