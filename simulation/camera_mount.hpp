@@ -2,6 +2,9 @@
 
 #include <Eigen/Geometry>
 
+#include "geometry/angle.hpp"
+#include "geometry/rigid_transform.hpp"
+
 namespace stillkite {
 
 /// body_from_camera of a camera that looks straight down with the picture's top towards the nose:
@@ -10,6 +13,13 @@ namespace stillkite {
   Eigen::Matrix3d R;
   R << 0, -1, 0, -1, 0, 0, 0, 0, -1;
   return Eigen::Quaterniond(R);
+}
+
+/// body_from_camera of a camera at the body's origin whose optical axis is raised by that angle
+/// from straight down towards the nose; at 90 degrees it looks ahead.
+[[nodiscard]] inline RigidTransform camera_raised_forward(double forward_tilt_deg) {
+  const Eigen::AngleAxisd tilt(-forward_tilt_deg * kDegree, Eigen::Vector3d::UnitY());
+  return {tilt * camera_looking_down(), Eigen::Vector3d::Zero()};
 }
 
 }  // namespace stillkite

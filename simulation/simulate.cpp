@@ -5,7 +5,6 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "geometry/angle.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/develop.hpp"
 #include "simulation/procedural_ground.hpp"
@@ -40,12 +39,6 @@ std::int64_t frame_count(const SimulationConfig& config) {
 
 double time_of(const SimulationConfig& config, std::int64_t frame) {
   return static_cast<double>(frame) / config.camera.frames_per_s;
-}
-
-RigidTransform mount(const SimulatedCameraConfig& camera) {
-  // the optical axis rises from -z towards +x: a turn about -y of the body
-  const Eigen::AngleAxisd tilt(-camera.forward_tilt_deg * kDegree, Eigen::Vector3d::UnitY());
-  return {tilt * camera_looking_down(), Eigen::Vector3d::Zero()};
 }
 
 std::shared_ptr<const Relief> make_relief(const SimulationConfig& config) {
@@ -91,7 +84,7 @@ FlightRecord record_flight(const SimulationConfig& config) {
   const double duration_s = config.flight.duration_s;
   FlightRecord record{
       .camera = config.camera.lens(),
-      .body_from_camera = mount(config.camera),
+      .body_from_camera = camera_raised_forward(config.camera.forward_tilt_deg),
       .truth = {},
       .twists_in_camera = {},
 
@@ -113,7 +106,7 @@ void film_flight(const SimulationConfig& config, const cv::Mat& photograph, cons
   const Trajectory trajectory = make_trajectory(config.flight, seed_of(config, kFlight));
   const Scene scene = make_scene(config, photograph);
   const Renderer renderer(config.camera.lens(), config.camera.supersampling);
-  const RigidTransform body_from_camera = mount(config.camera);
+  const RigidTransform body_from_camera = camera_raised_forward(config.camera.forward_tilt_deg);
   const std::uint64_t noise_seed = seed_of(config, kNoise);
   const int instants = config.camera.shutter_s > 0 ? config.camera.shutter_samples : 1;
 
