@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace stillkite {
+
+/// Random numbers that are the same on every machine: SplitMix64 (Steele, Lea and Flood 2014, "Fast
+/// splittable pseudorandom number generators").
+class RandomDraws {
+ public:
+  explicit RandomDraws(std::uint64_t seed) : state_(seed) {}
+
+  /// Uniform over 0 .. count - 1, for a count that is small beside 2^32.
+  [[nodiscard]] std::size_t below(std::size_t count) {
+    state_ += 0x9e3779b97f4a7c15U;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
+    z ^= z >> 31U;
+    return static_cast<std::size_t>(((z >> 32U) * count) >> 32U);
+  }
+
+  /// N different ones of 0 .. count - 1; count >= N.
+  template <std::size_t N>
+  [[nodiscard]] std::array<std::size_t, N> distinct(std::size_t count) {
+    std::array<std::size_t, N> drawn{};
+    for (std::size_t i = 0; i < N;) {
+      drawn[i] = below(count);
+      bool fresh = true;
+      for (std::size_t j = 0; j < i; ++j) fresh = fresh && drawn[j] != drawn[i];
+      if (fresh) ++i;
+    }
+    return drawn;
+  }
+
+  void shuffle(std::vector<int>& values) {
+    for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[below(i)]);
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace stillkite

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "estimation/relative_pose.hpp"
+#include "geometry/angle.hpp"
+#include "geometry/rigid_transform.hpp"
+
+namespace stillkite {
+
+/// Two views of random points: 800x480 px, focal length 700 px, the points at depth 1 in the mean.
+struct TwoViewScene {
+  static constexpr double kFocal_px = 700;
+
+  ViewModel content = ViewModel::general;  ///< what the scene is to show
+  int points = 1000;
+  double baseline = 0.1;  ///< length of the translation
+  double relief = 0.12;   ///< full range of the depths
+  double noise_px = 0.3;  ///< a coordinate, in both views
+  double outliers = 0;    ///< part of the pairs
+  double turn_rad = 0.1;
+  bool level_plane = false;  ///< the plane's normal stands along `up`, not anywhere near the axis
+};
+
+struct TwoViews {
+  std::vector<BearingPair> pairs;
+  std::vector<unsigned char> is_inlier;
+  RelativePose truth;
+  Eigen::Vector3d normal;   ///< of the plane, towards it from the reference camera
+  double deviation_px = 0;  ///< RMS distance of the inliers' depths from the plane, as parallax
+  double parallax_px = 0;   ///< RMS displacement of the inliers that no rotation explains
+};
+
+/// Pure in the seed.
+[[nodiscard]] inline TwoViews make_two_views(const TwoViewScene& scene, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::normal_distribution<double> normal;
+  const auto direction = [&]() -> Eigen::Vector3d {
+    return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+  };
+  TwoViews views;
+  const bool still = scene.content == ViewModel::still;
+  const bool moves = !still && scene.content != ViewModel::rotation_only;
+  const Eigen::Vector3d axis = direction();
+  views.truth.current_from_reference =
+      so3_exp(still ? Eigen::Vector3d::Zero() : Eigen::Vector3d(scene.turn_rad * axis));
+  views.truth.direction = moves ? direction() : Eigen::Vector3d::Zero();
+  // a plane that leans by up to some 25 degrees from the picture's
+  views.normal =
+      Eigen::Vector3d(0.5 * (2 * unit(random) - 1), 0.5 * (2 * unit(random) - 1), 1).normalized();
+  const auto pixel = [&]() -> Eigen::Vector2d {
+    return Eigen::Vector2d((unit(random) - 0.5) * 800, (unit(random) - 0.5) * 480) /
+           TwoViewScene::kFocal_px;
+  };
+  const auto inside = [](const Eigen::Vector2d& p) {
+    return std::abs(p.x()) < 400 / TwoViewScene::kFocal_px &&
+           std::abs(p.y()) < 240 / TwoViewScene::kFocal_px;
+  };
+  const auto noise = [&] {
+    const double sigma = scene.noise_px / TwoViewScene::kFocal_px;
+    return Eigen::Vector2d(sigma * normal(random), sigma * normal(random));
+  };
+  double squares = 0;
+  double parallax = 0;
+  int inliers = 0;
+  while (static_cast<int>(views.pairs.size()) < scene.points) {
+    const Eigen::Vector2d a = pixel();
+    if (unit(random) < scene.outliers) {
+      views.pairs.push_back({a, pixel()});
+      views.is_inlier.push_back(0);
+      continue;
+    }
+    double depth = 1 + scene.relief * (unit(random) - 0.5);
+    if (scene.content == ViewModel::plane) {
+      depth = views.normal.z() / views.normal.dot(a.homogeneous());
+    }
+    const Eigen::Vector3d turned = views.truth.current_from_reference * a.homogeneous();
+    const Eigen::Vector3d moved = depth * turned + scene.baseline * views.truth.direction;
+    if (moved.z() < 0.05 || !inside(moved.hnormalized())) continue;
+    views.pairs.push_back({a + noise(), moved.hnormalized() + noise()});
+    views.is_inlier.push_back(1);
+    parallax += (moved.hnormalized() - turned.hnormalized()).squaredNorm();
+    squares +=
+        (depth - 1) * (depth - 1) * (moved.hnormalized() - turned.hnormalized()).squaredNorm();
+    ++inliers;
+  }
+  views.parallax_px = TwoViewScene::kFocal_px * std::sqrt(parallax / std::max(inliers, 1));
+  views.deviation_px = TwoViewScene::kFocal_px * std::sqrt(squares / std::max(inliers, 1));
+  return views;
+}
+
+[[nodiscard]] inline double rotation_error_deg(const RelativePose& found,
+                                               const RelativePose& truth) {
+  return angle_between_rad(found.current_from_reference, truth.current_from_reference) / kDegree;
+}
+[[nodiscard]] inline double direction_error_deg(const RelativePose& found,
+                                                const RelativePose& truth) {
+  return std::atan2(found.direction.cross(truth.direction).norm(),
+                    found.direction.dot(truth.direction)) /
+         kDegree;
+}
+
+}  // namespace stillkite
