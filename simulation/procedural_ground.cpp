@@ -7,35 +7,13 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "simulation/fractal_noise.hpp"
 #include "simulation/random.hpp"
 
 namespace stillkite {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-
-// Random values on a lattice `cell` texels apart, joined by cubics.
-cv::Mat octave(int width, int height, int cell, Random random) {
-  cv::Mat lattice(height / cell + 4, width / cell + 4, CV_32FC1);
-  for (int row = 0; row < lattice.rows; ++row) {
-    for (int column = 0; column < lattice.cols; ++column) {
-      lattice.at<float>(row, column) = static_cast<float>(random.uniform(-1.0, 1.0));
-    }
-  }
-  cv::Mat fine;
-  cv::resize(lattice, fine, lattice.size() * cell, 0, 0, cv::INTER_CUBIC);
-  return fine(cv::Rect(cell, cell, width, height)).clone();
-}
-
-// Amplitude spectrum about 1/f: every octave carries about the same variance.
-cv::Mat one_over_f(int width, int height, std::uint64_t seed) {
-  cv::Mat sum(height, width, CV_32FC1, cv::Scalar(0));
-  for (int cell = 2, level = 1; cell <= 512; cell *= 2, ++level) {
-    const double fine_is_weaker = cell == 2 ? 0.7 : 1.0;
-    cv::scaleAdd(octave(width, height, cell, Random(seed, level)), fine_is_weaker, sum, sum);
-  }
-  return sum;
-}
 
 struct Field {
   float x, y;
@@ -66,8 +44,8 @@ void plough_fields(cv::Mat& ground, std::uint64_t seed) {
                       .furrow_y = static_cast<float>(wave * std::sin(direction)),
                       .furrow_depth = static_cast<float>(depth)});
   }
-  const cv::Mat bend_x = octave(ground.cols, ground.rows, 64, Random(seed, 101));
-  const cv::Mat bend_y = octave(ground.cols, ground.rows, 64, Random(seed, 102));
+  const cv::Mat bend_x = lattice_noise(ground.cols, ground.rows, 64, Random(seed, 101));
+  const cv::Mat bend_y = lattice_noise(ground.cols, ground.rows, 64, Random(seed, 102));
   for (int row = 0; row < ground.rows; ++row) {
     for (int column = 0; column < ground.cols; ++column) {
       const float x = static_cast<float>(column) + 14 * bend_x.at<float>(row, column);
@@ -168,7 +146,7 @@ void scatter(cv::Mat& ground, std::uint64_t seed) {
 cv::Mat procedural_ground(int width, int height, std::uint64_t seed) {
   constexpr double kOctaveDeviation = 17;
   constexpr double kMiddleGrey = 122;
-  cv::Mat ground = one_over_f(width, height, seed) * kOctaveDeviation;
+  cv::Mat ground = fractal_noise(width, height, seed) * kOctaveDeviation;
   plough_fields(ground, seed);
   lay_paths(ground, seed);
   scatter(ground, seed);

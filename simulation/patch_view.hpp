@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "geometry/rigid_transform.hpp"
+#include "simulation/patch_kernel.hpp"
+#include "simulation/patch_scene.hpp"
+
+namespace stillkite {
+
+/// The patches whose front one camera may see. `sample_focal_px`: focal length in samples, for the
+/// pyramid level.
+[[nodiscard]] std::vector<PatchView> make_patch_views(const PatchScene& scene,
+                                                      const RigidTransform& world_from_camera,
+                                                      double sample_focal_px);
+
+/// The rectangle of the plane z = 1 in which the bearings of some samples lie.
+struct BearingBounds {
+  float low_x = 0;
+  float high_x = 0;
+  float low_y = 0;
+  float high_y = 0;
+  bool sees_all = true;  ///< no sample that the lens cannot see
+};
+
+/// Those that may be the nearest somewhere within the bounds, without those that one of them hides
+/// everywhere.
+struct VisiblePatches {
+  std::vector<const PatchView*> patches;
+  bool covered = false;  ///< there is one only, and it fills the bounds
+};
+[[nodiscard]] VisiblePatches visible_within(const std::vector<const PatchView*>& patches,
+                                            const BearingBounds& bounds);
+
+}  // namespace stillkite

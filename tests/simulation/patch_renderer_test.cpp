@@ -1,0 +1,236 @@
+#include <gtest/gtest.h>
+
+#include <hwy/targets.h>
+#include <cmath>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "geometry/angle.hpp"
+#include "geometry/euler.hpp"
+#include "ground_truth.hpp"
+#include "simulation/camera_mount.hpp"
+#include "simulation/patch_renderer.hpp"
+#include "simulation/procedural_ground.hpp"
+#include "simulation/room_scene.hpp"
+
+namespace stillkite {
+namespace {
+
+using test::small_camera;
+
+RigidTransform looking_ahead(double yaw_deg, double raised_deg, const Eigen::Vector3d& position) {
+  return RigidTransform{to_quaternion({.yaw_rad = yaw_deg * kDegree}), position} *
+         camera_raised_forward(raised_deg);
+}
+
+std::shared_ptr<const GroundTexture> plain(double grey) {
+  return std::make_shared<GroundTexture>(cv::Mat(16, 16, CV_8UC1, cv::Scalar(grey)), 0.1);
+}
+
+// Faces -x: what looks along +x sees it unturned.
+Patch upright(const Eigen::Vector3d& middle, double width_m, double height_m,
+              const std::shared_ptr<const GroundTexture>& texture) {
+  return {.corner_in_world_m = middle + Eigen::Vector3d(0, width_m / 2, height_m / 2),
+          .right_in_world_m = {0, -width_m, 0},
+          .down_in_world_m = {0, 0, -height_m},
+          .texture = texture};
+}
+
+constexpr DistortionModel kLenses[] = {DistortionModel::none, DistortionModel::radial_tangential,
+                                       DistortionModel::equidistant};
+
+double value_at(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
+  cv::Mat value;
+  cv::getRectSubPix(picture, {1, 1}, {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())},
+                    value);
+  return value.at<float>(0, 0);
+}
+
+// How far the line of that grey passes by a pixel, along the gradient.
+double distance_to_level_px(const cv::Mat& picture, double grey, const Eigen::Vector2d& pixel) {
+  const auto slope = [&](const Eigen::Vector2d& half_step) {
+    return value_at(picture, pixel + half_step) - value_at(picture, pixel - half_step);
+  };
+  const double gradient = std::hypot(slope({0.5, 0}), slope({0, 0.5}));
+  return std::abs(value_at(picture, pixel) - grey) / gradient;
+}
+
+// Four squares, seen aslant: points on the edges between them appear where `project` puts them.
+// The edges are soft, so that they can be located; their middle grey lies on the sharp edge.
+TEST(PatchRenderer, ShowsEdgesWhereTheyProject) {
+  constexpr int kSquare = 200;
+  cv::Mat squares(2 * kSquare, 2 * kSquare, CV_8UC1, cv::Scalar(30));
+  squares(cv::Rect(0, 0, kSquare, kSquare)).setTo(220);
+  squares(cv::Rect(kSquare, kSquare, kSquare, kSquare)).setTo(220);
+  cv::GaussianBlur(squares, squares, {}, 6);
+  const Patch patch =
+      upright({6, 0.3, 1.2}, 3.9, 3.9, std::make_shared<GroundTexture>(squares, 0.01));
+  int points = 0;
+  for (const DistortionModel lens : kLenses) {
+    const Camera camera = small_camera(lens);
+    const PatchRenderer renderer(camera, 4);
+    for (const double yaw_deg : {-20.0, -9.0, 0.0, 13.0, 20.0}) {
+      const RigidTransform pose = looking_ahead(yaw_deg, 80, {0.4, 1.1, 1.5});
+      const cv::Mat picture = renderer.render({.patches = {patch}, .background_grey = 120}, pose);
+      for (const double along_texels : {60.0, 100.0, 150.0, 250.0, 300.0, 340.0}) {
+        for (const Eigen::Vector2d& texel : {Eigen::Vector2d(along_texels, kSquare - 0.5),
+                                             Eigen::Vector2d(kSquare - 0.5, along_texels)}) {
+          const Eigen::Vector3d point =
+              patch.corner_in_world_m + 0.01 * Eigen::Vector3d(0, -texel.x(), -texel.y());
+          const Eigen::Vector2d pixel = *project(camera, pose.inverse() * point);
+          if (pixel.x() < 2 || pixel.x() > camera.width_px - 3) continue;
+          EXPECT_LT(distance_to_level_px(picture, 125, pixel), 0.05) << name_of(lens);
+          ++points;
+        }
+      }
+    }
+  }
+  EXPECT_GT(points, 150);
+}
+
+// In a room whose patches have each a grey of its own, every pixel has that of the patch that an
+// analytic ray meets first: nothing hides what it should not, and no tile forgets a patch.
+TEST(PatchRenderer, ShowsTheNearestPatchInEveryPixel) {
+  PatchScene scene = make_room(3);
+  for (std::size_t k = 0; k < scene.patches.size(); ++k) {
+    scene.patches[k].texture = plain(static_cast<double>(k + 1));
+  }
+  for (const DistortionModel lens : kLenses) {
+    const Camera camera = small_camera(lens);
+    const PatchRenderer renderer(camera, 1);
+    for (const RigidTransform& pose :
+         {looking_ahead(0, 75, {0, 0, 3}), looking_ahead(140, 60, {2, 1, 2.2}),
+          looking_ahead(-80, 20, {-1, 2, 3.5})}) {
+      const cv::Mat picture = renderer.render(scene, pose);
+      int edges = 0;
+      for (int row = 0; row < camera.height_px; ++row) {
+        for (int column = 0; column < camera.width_px; ++column) {
+          const Ray ray = ray_of(pose, *undistort(camera, {double(column), double(row)}));
+          const std::optional<PatchHit> hit = first_hit(scene, ray);
+          ASSERT_TRUE(hit);
+          const auto number = static_cast<float>(hit->patch - scene.patches.data() + 1);
+          // single precision may decide otherwise on the very edge
+          if (std::abs(picture.at<float>(row, column) - number) > 1e-3) ++edges;
+        }
+      }
+      EXPECT_LE(edges, 3) << name_of(lens);
+    }
+  }
+}
+
+// Near enough that a sample is smaller than a texel, a pixel has the grey of the point it sees.
+TEST(PatchRenderer, ShowsThePicturesThemselves) {
+  cv::Mat grey = procedural_ground(300, 200, 7);
+  cv::GaussianBlur(grey, grey, {}, 1.5);
+  const auto texture = std::make_shared<GroundTexture>(grey, 0.05);
+  // the second goes on beyond its picture, mirrored
+  const PatchScene scene{
+      .patches = {upright({4, 2, 1}, 5, 4, texture), upright({7, -20, 3}, 60, 25, texture)}};
+  for (const DistortionModel lens : kLenses) {
+    const Camera camera = small_camera(lens);
+    const RigidTransform pose = looking_ahead(-20, 95, {0, 0, 2});
+    const cv::Mat picture = PatchRenderer(camera, 1).render(scene, pose);
+    int seen = 0;
+    for (int row = 0; row < camera.height_px; row += 3) {
+      for (int column = 0; column < camera.width_px; column += 3) {
+        const std::optional<PatchHit> hit =
+            first_hit(scene, ray_of(pose, *undistort(camera, {double(column), double(row)})));
+        if (!hit) {
+          ASSERT_EQ(picture.at<float>(row, column), 200.0F);
+          continue;
+        }
+        if (std::pow(hit->depth, 3) / 4 > std::pow(0.05 * 168, 2)) continue;
+        ++seen;
+        ASSERT_NEAR(picture.at<float>(row, column), grey_at(*hit->patch, hit->point_in_world_m),
+                    0.1);
+      }
+    }
+    EXPECT_GT(seen, 1000);
+  }
+}
+
+// Of squares of a texel a sample sees far away their mean, near by each.
+TEST(PatchRenderer, AveragesWhatIsFar) {
+  cv::Mat squares(1024, 1024, CV_8UC1);
+  for (int v = 0; v < squares.rows; ++v) {
+    for (int u = 0; u < squares.cols; ++u) squares.at<std::uint8_t>(v, u) = (u + v) % 2 ? 210 : 30;
+  }
+  const auto texture = std::make_shared<GroundTexture>(squares, 0.02);
+  const auto contrast_at = [&](double distance_m) {
+    const cv::Mat picture = PatchRenderer(small_camera(), 2)
+                                .render({.patches = {upright({distance_m, 0, 0}, 20, 20, texture)}},
+                                        looking_ahead(0, 90, {0, 0, 0}));
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(picture(cv::Rect(100, 62, 40, 40)), mean, deviation);
+    EXPECT_NEAR(mean[0], 120, 3);
+    return deviation[0];
+  };
+  EXPECT_NEAR(contrast_at(0.5), 90.0 / 3, 2);  // of bilinear squares of +-90
+  EXPECT_LT(contrast_at(14), 4);
+}
+
+// A ramp of grey stays where it is on every pyramid level.
+TEST(PatchRenderer, KeepsAPictureInItsPlaceOnEveryLevel) {
+  cv::Mat ramp(256, 256, CV_8UC1);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u) ramp.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(u);
+  }
+  const Camera camera = small_camera();
+  for (const double texel_m : {0.05, 0.02, 0.008}) {
+    const PatchScene scene{.patches = {upright({8, 0, 0}, 255 * texel_m, 255 * texel_m,
+                                               std::make_shared<GroundTexture>(ramp, texel_m))}};
+    const RigidTransform pose = looking_ahead(5, 90, {0, 0.2, 0});
+    const cv::Mat picture = PatchRenderer(camera, 1).render(scene, pose);
+    for (const double u : {70.0, 110.5, 180.25}) {
+      const Eigen::Vector3d point =
+          scene.patches[0].corner_in_world_m + texel_m * Eigen::Vector3d(0, -u, -128);
+      const Eigen::Vector2d at = *project(camera, pose.inverse() * point);
+      cv::Mat patch;
+      cv::getRectSubPix(picture, {1, 1}, {static_cast<float>(at.x()), static_cast<float>(at.y())},
+                        patch);
+      EXPECT_NEAR(patch.at<float>(0, 0), u, 0.5) << texel_m;
+    }
+  }
+}
+
+// An open shutter shows the mean of what the instants show.
+TEST(PatchRenderer, BlursByTheMotionWhileTheShutterIsOpen) {
+  cv::Mat grey = procedural_ground(400, 300, 9);
+  cv::GaussianBlur(grey, grey, {}, 2);
+  const PatchScene scene{
+      .patches = {upright({6, 0, 1}, 12, 9, std::make_shared<GroundTexture>(grey, 0.04))}};
+  const PatchRenderer renderer(small_camera(), 2);
+  const RigidTransform opening = looking_ahead(0, 90, {0, 0, 1});
+  const RigidTransform closing = looking_ahead(1.5, 90, {0, 0, 1});  // 4 pixels
+  cv::Mat mean(160, 237, CV_32FC1, cv::Scalar(0));
+  for (int k = 0; k < 4; ++k) {
+    mean += renderer.render(scene, interpolate(opening, closing, (k + 0.5) / 4)) / 4;
+  }
+  const cv::Mat blurred = renderer.render(scene, Shutter{opening, closing, 4});
+  const double area = static_cast<double>(blurred.total());
+  EXPECT_LT(cv::norm(blurred, mean) / std::sqrt(area), 1);
+  EXPECT_GT(cv::norm(blurred, renderer.render(scene, opening)) / std::sqrt(area), 3);
+  EXPECT_EQ(cv::norm(renderer.render(scene, Shutter{opening, opening, 4}),
+                     renderer.render(scene, opening), cv::NORM_INF),
+            0);
+  EXPECT_THROW((void)renderer.render(scene, Shutter{opening, closing, 3}), InputError);
+}
+
+TEST(PatchRenderer, IsTheSameTwiceAndNearlySoWithoutWideVectors) {
+  const PatchScene room = make_room(5);
+  const RigidTransform pose = looking_ahead(10, 75, {0.5, 0, 3});
+  const PatchRenderer renderer(small_camera(DistortionModel::radial_tangential), 2);
+  const cv::Mat once = renderer.render(room, pose);
+  EXPECT_EQ(cv::norm(once, renderer.render(room, pose), cv::NORM_INF), 0);
+
+  hwy::DisableTargets(~std::int64_t{HWY_STATIC_TARGET});
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  const cv::Mat narrow = renderer.render(room, pose);
+  hwy::DisableTargets(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  EXPECT_LT(cv::norm(once, narrow, cv::NORM_L1) / static_cast<double>(once.total()), 0.01);
+}
+
+}  // namespace
+}  // namespace stillkite
