@@ -1,0 +1,85 @@
+#include "stabilization/hold_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "stabilization/hold_errors.hpp"
+#include "stabilization/tether_rates.hpp"
+
+namespace stillkite {
+namespace {
+
+// A longer step would let one estimate wind up an integral.
+constexpr double kLongestStep_s = 0.5;
+
+HoldConfig checked(const HoldConfig& config) {
+  if (config.limits.min_length_m < config.limits.max_length_m) return config;
+  throw InputError("limits.min_length_m: " + std::to_string(config.limits.min_length_m) +
+                   " is not below limits.max_length_m, " +
+                   std::to_string(config.limits.max_length_m));
+}
+
+bool all_finite(const TetherCommand& c) {
+  return std::isfinite(c.length_rate_m_s) && std::isfinite(c.elevation_rate_rad_s) &&
+         std::isfinite(c.azimuth_rate_rad_s) && std::isfinite(c.yaw_rate_rad_s);
+}
+
+bool all_zero(const TetherCommand& c) {
+  return c.length_rate_m_s == 0 && c.elevation_rate_rad_s == 0 && c.azimuth_rate_rad_s == 0 &&
+         c.yaw_rate_rad_s == 0;
+}
+
+HoldDecision decision_of(const HoldPlan& plan) {
+  const bool holds = all_zero(plan.command);
+  const bool nothing_to_do = holds && plan.reason == HoldReason::none;
+  return {.command = plan.command,
+          .action = holds ? HoldAction::hold : HoldAction::command,
+          .reason = nothing_to_do ? HoldReason::within_dead_band : plan.reason,
+          .way_home_in_station_m = plan.way_home_in_station_m,
+          .turn_home_rad = plan.turn_home_rad};
+}
+
+}  // namespace
+
+HoldController::HoldController(const HoldConfig& config)
+    : config_(checked(config)), own_(config.recommended.lag_s) {}
+
+double HoldController::advance(Timestamp now) {
+  if (last_ && now < *last_) *this = HoldController(config_);
+  own_.advance(now);
+  const double dt_s = last_ ? std::min(seconds_between(*last_, now), kLongestStep_s) : 0;
+  last_ = now;
+  if (last_moved_ && seconds_between(*last_moved_, now) > config_.forget_after_s) {
+    axes_ = {};
+    last_moved_.reset();
+  }
+  return dt_s;
+}
+
+HoldPlan HoldController::plan(const HoldInput& input, double dt_s) const {
+  HoldPlan held{.reason = reason_to_hold(config_, input)};
+  for (std::size_t i = 0; i < axes_.size(); ++i) held.axes[i] = at_rest(axes_[i]);
+  if (held.reason != HoldReason::none) return held;
+  const HoldPlan plan = config_.mode == HoldMode::paper
+                            ? plan_as_in_paper(config_, input, axes_, dt_s)
+                            : plan_recommended(config_, input, axes_, own_, dt_s);
+  if (all_finite(plan.command)) return plan;
+  held.reason = HoldReason::not_finite;
+  return held;
+}
+
+HoldDecision HoldController::decide(const HoldInput& input) {
+  const HoldPlan plan = this->plan(input, advance(input.now));
+  axes_ = plan.axes;
+  LevelMotion commanded = LevelMotion::Zero();
+  if (plan.reason == HoldReason::none) last_moved_ = input.now;
+  if (!all_zero(plan.command)) {
+    commanded << velocity_in_station_m_s(input.tether->tether, plan.command),
+        plan.command.yaw_rate_rad_s;
+  }
+  own_.set_command(commanded);
+  return decision_of(plan);
+}
+
+}  // namespace stillkite

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "stabilization/hold_config.hpp"
+#include "stabilization/hold_decision.hpp"
+#include "stabilization/hold_plan.hpp"
+#include "stabilization/own_motion.hpp"
+
+namespace stillkite {
+
+/// From what is known of the camera's way from its place to rates of the tether that bring it back
+/// (hold paper, section IV; docs/hold_controller.md).
+///
+/// Each decision commands or holds with a reason, and is within the vehicle's limits whatever came
+/// in. It is taken to be obeyed until the next.
+class HoldController {
+ public:
+  /// Throws InputError where the ends of the tether's length exclude each other.
+  explicit HoldController(const HoldConfig& config);
+
+  /// At a control instant. A clock that runs backwards starts afresh.
+  [[nodiscard]] HoldDecision decide(const HoldInput& input);
+
+ private:
+  [[nodiscard]] double advance(Timestamp now);
+  [[nodiscard]] HoldPlan plan(const HoldInput& input, double dt_s) const;
+
+  HoldConfig config_;
+  HoldAxes axes_;
+  OwnMotion own_;
+  std::optional<Timestamp> last_;
+  std::optional<Timestamp> last_moved_;  // when the position was controlled last
+};
+
+}  // namespace stillkite

@@ -1,0 +1,83 @@
+#include "stabilization/hold_errors.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "geometry/time.hpp"
+
+namespace stillkite {
+namespace {
+
+bool is_rotation(const Eigen::Quaterniond& q) {
+  return q.coeffs().allFinite() && std::abs(q.norm() - 1) < 1e-3;
+}
+
+bool is_finite(const TetherState& tether) {
+  return std::isfinite(tether.length_m) && std::isfinite(tether.elevation_rad) &&
+         std::isfinite(tether.azimuth_rad);
+}
+
+bool is_finite(const MotionEstimate& estimate) {
+  return is_rotation(estimate.reference_from_camera) &&
+         estimate.displacement_in_reference.allFinite() && std::isfinite(estimate.mean_shift_px) &&
+         std::isfinite(estimate.parallax_rad);
+}
+
+bool is_current(Timestamp stamp, Timestamp now, double max_age_s) {
+  const double age_s = seconds_between(stamp, now);
+  return age_s >= 0 && age_s <= max_age_s;
+}
+
+// A reading may be a little beyond the ends that commands keep to, but not absurd.
+bool is_possible(const VehicleLimits& limits, const TetherState& tether) {
+  constexpr double kMostTurns_rad = 1e3;
+  constexpr double kBelowLevel_rad = std::numbers::pi / 4;
+  return tether.length_m >= 0 && tether.length_m <= 2 * limits.max_length_m &&
+         tether.elevation_rad >= -kBelowLevel_rad &&
+         tether.elevation_rad <= std::numbers::pi + kBelowLevel_rad &&
+         std::abs(tether.azimuth_rad) <= kMostTurns_rad;
+}
+
+}  // namespace
+
+HoldReason reason_to_hold(const HoldConfig& config, const HoldInput& input) {
+  if (!input.estimate) return HoldReason::no_estimate;
+  const MotionEstimate& estimate = *input.estimate;
+  if (estimate.status == EstimateStatus::lost) return HoldReason::estimate_lost;
+  if (estimate.status == EstimateStatus::gated) return HoldReason::estimate_gated;
+  if (!is_current(estimate.stamp, input.now, config.max_estimate_age_s)) {
+    return HoldReason::estimate_stale;
+  }
+  if (!is_finite(estimate) || !is_rotation(input.station_from_camera)) {
+    return HoldReason::not_finite;
+  }
+  if (!input.tether) return HoldReason::no_tether_reading;
+  if (!is_current(input.tether->stamp, input.now, config.max_tether_age_s)) {
+    return HoldReason::tether_stale;
+  }
+  if (!input.tether->taut) return HoldReason::tether_slack;
+  if (!is_finite(input.tether->tether)) return HoldReason::not_finite;
+  return is_possible(config.limits, input.tether->tether) ? HoldReason::none
+                                                          : HoldReason::tether_out_of_range;
+}
+
+Eigen::Vector3d way_home_in_station(const MotionEstimate& estimate,
+                                    const Eigen::Quaterniond& station_from_camera) {
+  const Eigen::Quaterniond station_from_reference =
+      station_from_camera * estimate.reference_from_camera.conjugate();
+  return -(station_from_reference * estimate.displacement_in_reference);
+}
+
+double turn_home_rad(const MotionEstimate& estimate,
+                     const Eigen::Quaterniond& station_from_camera) {
+  const Eigen::Quaterniond home_from_here = station_from_camera *
+                                            estimate.reference_from_camera.conjugate() *
+                                            station_from_camera.conjugate();
+  return wrap_angle_rad(2 * std::atan2(home_from_here.z(), home_from_here.w()));
+}
+
+EulerAngles paper_angles(const MotionEstimate& estimate) {
+  return to_euler(estimate.reference_from_camera.conjugate());
+}
+
+}  // namespace stillkite

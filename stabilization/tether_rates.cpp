@@ -1,0 +1,84 @@
+#include "stabilization/tether_rates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace stillkite {
+namespace {
+
+// The share of the damped inverse that is damping: 1 at a lever of 0, 0 from the edge on.
+double damping_share(double lever_m, double damped_within_m) {
+  const double x = lever_m / damped_within_m;
+  return std::max(0.0, 1 - x * x);
+}
+
+double damped_inverse(double lever_m, double damped_within_m) {
+  const double d2 = damped_within_m * damped_within_m / 4 * damping_share(lever_m, damped_within_m);
+  return lever_m / (lever_m * lever_m + d2);
+}
+
+// The smallest turn that brings the tether's vertical plane to contain the velocity.
+double turn_to_line_rad(double azimuth_rad, const Eigen::Vector3d& velocity) {
+  return std::remainder(std::atan2(velocity.y(), velocity.x()) - azimuth_rad, std::numbers::pi);
+}
+
+double towards_ends(double rate, double most, double left_below, double left_above, double time_s) {
+  return std::clamp(rate, -std::clamp(left_below / time_s, 0.0, most),
+                    std::clamp(left_above / time_s, 0.0, most));
+}
+
+}  // namespace
+
+Eigen::Matrix3d tether_axes_in_station(const TetherState& tether) {
+  const double ce = std::cos(tether.elevation_rad), se = std::sin(tether.elevation_rad);
+  const double ca = std::cos(tether.azimuth_rad), sa = std::sin(tether.azimuth_rad);
+  Eigen::Matrix3d axes;
+  axes.col(0) << ce * ca, ce * sa, se;
+  axes.col(1) << -se * ca, -se * sa, ce;
+  axes.col(2) << -sa, ca, 0;
+  return axes;
+}
+
+Eigen::Vector3d tether_levers_m(const TetherState& tether) {
+  return {1, tether.length_m, tether.length_m * std::cos(tether.elevation_rad)};
+}
+
+Eigen::Vector3d velocity_in_station_m_s(const TetherState& tether, const TetherCommand& command) {
+  const Eigen::Vector3d rates(command.length_rate_m_s, command.elevation_rate_rad_s,
+                              command.azimuth_rate_rad_s);
+  return tether_axes_in_station(tether) * tether_levers_m(tether).cwiseProduct(rates);
+}
+
+TetherCommand rates_for_velocity(const TetherState& tether,
+                                 const Eigen::Vector3d& velocity_in_station_m_s,
+                                 double damped_within_m, double alignment_gain_1_m) {
+  const Eigen::Vector3d along =
+      tether_axes_in_station(tether).transpose() * velocity_in_station_m_s;
+  const Eigen::Vector3d levers_m = tether_levers_m(tether);
+  const double sideways_rad_s = along[2] * damped_inverse(levers_m[2], damped_within_m);
+  const double turn_rad_s = damping_share(levers_m[2], damped_within_m) * alignment_gain_1_m *
+                            velocity_in_station_m_s.head<2>().norm() *
+                            turn_to_line_rad(tether.azimuth_rad, velocity_in_station_m_s);
+  const bool against = sideways_rad_s * turn_rad_s < 0;
+  return {.length_rate_m_s = along[0],
+          .elevation_rate_rad_s = along[1] * damped_inverse(levers_m[1], damped_within_m),
+          .azimuth_rate_rad_s = sideways_rad_s + (against ? 0 : turn_rad_s)};
+}
+
+TetherCommand within_limits(const VehicleLimits& limits, const TetherState& tether,
+                            const TetherCommand& command) {
+  const auto within = [](double rate, double most) { return std::clamp(rate, -most, most); };
+  const double time_s = limits.braking_time_s;
+  return {.length_rate_m_s = towards_ends(command.length_rate_m_s, limits.length_rate_m_s,
+                                          tether.length_m - limits.min_length_m,
+                                          limits.max_length_m - tether.length_m, time_s),
+          .elevation_rate_rad_s =
+              towards_ends(command.elevation_rate_rad_s, limits.elevation_rate_rad_s,
+                           tether.elevation_rad - limits.min_elevation_rad,
+                           limits.max_elevation_rad() - tether.elevation_rad, time_s),
+          .azimuth_rate_rad_s = within(command.azimuth_rate_rad_s, limits.azimuth_rate_rad_s),
+          .yaw_rate_rad_s = within(command.yaw_rate_rad_s, limits.yaw_rate_rad_s)};
+}
+
+}  // namespace stillkite

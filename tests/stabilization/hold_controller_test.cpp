@@ -1,0 +1,301 @@
+#include "stabilization/hold_controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "geometry/angle.hpp"
+#include "hold_scene.hpp"
+#include "stabilization/tether_rates.hpp"
+
+namespace stillkite {
+namespace {
+
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr Timestamp kNow{10'000'000'000};
+
+enum class Flaw { none, rotation, displacement, shift, parallax, attitude, zero_quaternion, huge };
+constexpr std::array kFlaws = {Flaw::none,     Flaw::rotation, Flaw::displacement,    Flaw::shift,
+                               Flaw::parallax, Flaw::attitude, Flaw::zero_quaternion, Flaw::huge};
+
+enum class Tether { absent, stale, of_the_future, slack, not_finite, absurd, zenith, full, low };
+constexpr std::array kTethers = {Tether::absent, Tether::stale,      Tether::of_the_future,
+                                 Tether::slack,  Tether::not_finite, Tether::absurd,
+                                 Tether::zenith, Tether::full,       Tether::low};
+
+std::optional<TetherReading> reading(Tether kind) {
+  TetherReading r{kNow, {5, 1, 0.3}};
+  switch (kind) {
+    case Tether::absent:
+      return std::nullopt;
+    case Tether::stale:
+      r.stamp = from_seconds(9);
+      break;
+    case Tether::of_the_future:
+      r.stamp = from_seconds(10.1);
+      break;
+    case Tether::slack:
+      r.taut = false;
+      break;
+    case Tether::not_finite:
+      r.tether.azimuth_rad = kNaN;
+      break;
+    case Tether::absurd:
+      r.tether.length_m = -1e9;
+      break;
+    case Tether::zenith:
+      r.tether = {2, pi / 2, 0};
+      break;
+    case Tether::full:
+      r.tether = {20.001, 0.7, 3};
+      break;
+    case Tether::low:
+      r.tether = {0.4, -0.01, -3};
+      break;
+  }
+  return r;
+}
+
+struct Case {
+  HoldMode mode = HoldMode::recommended;
+  std::optional<EstimateStatus> status = EstimateStatus::ok;
+  DisplacementKind kind = DisplacementKind::metric;
+  Flaw flaw = Flaw::none;
+  double age_s = 0.1;
+  Tether tether = Tether::zenith;
+  double yaw_rad = 0;
+};
+
+HoldInput input_of(const Case& c) {
+  const RigidTransform reference{forward_camera(), {0, 0, 2}};
+  const RigidTransform camera{so3_exp({0, 0, c.yaw_rad}) * forward_camera(), {0.4, 0.3, 2.2}};
+  MotionEstimate e = exact_estimate(reference, camera);
+  e.displacement_kind = c.kind;
+  if (c.kind == DisplacementKind::direction) e.displacement_in_reference.normalize();
+  if (c.kind == DisplacementKind::zero) e.displacement_in_reference.setZero();
+  e.parallax_rad = 0.1;
+  e.stamp = from_seconds(to_seconds(kNow) - c.age_s);
+  HoldInput input{.now = kNow, .tether = reading(c.tether), .station_from_camera = camera.rotation};
+  switch (c.flaw) {
+    case Flaw::none:
+      break;
+    case Flaw::rotation:
+      e.reference_from_camera.x() = kNaN;
+      break;
+    case Flaw::displacement:
+      e.displacement_in_reference.y() = 1 / 0.0;
+      break;
+    case Flaw::shift:
+      e.mean_shift_px = kNaN;
+      break;
+    case Flaw::parallax:
+      e.parallax_rad = kNaN;
+      break;
+    case Flaw::attitude:
+      input.station_from_camera.w() = kNaN;
+      break;
+    case Flaw::zero_quaternion:
+      e.reference_from_camera.coeffs().setZero();
+      break;
+    case Flaw::huge:
+      e.displacement_in_reference *= 1e300;
+      break;
+  }
+  if (c.status) {
+    e.status = *c.status;
+    input.estimate = e;
+  }
+  return input;
+}
+
+std::vector<Case> every_case() {
+  std::vector<Case> cases;
+  const std::array<std::optional<EstimateStatus>, 4> statuses = {
+      std::nullopt, EstimateStatus::ok, EstimateStatus::gated, EstimateStatus::lost};
+  for (const HoldMode mode : {HoldMode::paper, HoldMode::recommended}) {
+    for (const auto& status : statuses) {
+      for (const auto& [kind, name] : EnumNames<DisplacementKind>::value) {
+        for (const Flaw flaw : kFlaws) {
+          for (const double age_s : {0.0, 0.1, 0.6, -0.1}) {
+            for (const Tether tether : kTethers) {
+              for (const double yaw_rad : {0.0, 0.07, 0.5, -3.0}) {
+                cases.push_back({mode, status, kind, flaw, age_s, tether, yaw_rad});
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+  return cases;
+}
+
+// What the documentation promises, in its order.
+HoldReason promised_reason(const Case& c) {
+  if (!c.status) return HoldReason::no_estimate;
+  if (*c.status == EstimateStatus::lost) return HoldReason::estimate_lost;
+  if (*c.status == EstimateStatus::gated) return HoldReason::estimate_gated;
+  if (c.age_s < 0 || c.age_s > 0.5) return HoldReason::estimate_stale;
+  if (c.flaw != Flaw::none && c.flaw != Flaw::huge) return HoldReason::not_finite;
+  if (c.tether == Tether::absent) return HoldReason::no_tether_reading;
+  if (c.tether == Tether::stale || c.tether == Tether::of_the_future) {
+    return HoldReason::tether_stale;
+  }
+  if (c.tether == Tether::slack) return HoldReason::tether_slack;
+  if (c.tether == Tether::not_finite) return HoldReason::not_finite;
+  if (c.tether == Tether::absurd) return HoldReason::tether_out_of_range;
+  const double most_rad = c.mode == HoldMode::paper ? 5 * kDegree : 20 * kDegree;
+  if (std::abs(c.yaw_rad) > most_rad) return HoldReason::angle_first;
+  if (c.kind == DisplacementKind::unknown) return HoldReason::displacement_unknown;
+  if (c.kind == DisplacementKind::zero && c.mode == HoldMode::paper) {
+    return HoldReason::within_dead_band;
+  }
+  return HoldReason::none;
+}
+
+bool turns_only(HoldReason reason) {
+  return reason == HoldReason::angle_first || reason == HoldReason::displacement_unknown;
+}
+
+void expect_sound(const HoldDecision& decision) {
+  const TetherCommand& c = decision.command;
+  const bool moves =
+      c.length_rate_m_s != 0 || c.elevation_rate_rad_s != 0 || c.azimuth_rate_rad_s != 0;
+  const bool any = moves || c.yaw_rate_rad_s != 0;
+  ASSERT_EQ(decision.action, any ? HoldAction::command : HoldAction::hold);
+  ASSERT_TRUE(any || decision.reason != HoldReason::none);
+  ASSERT_TRUE(!moves || decision.reason == HoldReason::none);
+  // a comparison with a NaN is false
+  ASSERT_TRUE(std::abs(c.length_rate_m_s) <= 0.3);
+  ASSERT_TRUE(std::abs(c.elevation_rate_rad_s) <= 0.25);
+  ASSERT_TRUE(std::abs(c.azimuth_rate_rad_s) <= 0.2);
+  ASSERT_TRUE(std::abs(c.yaw_rate_rad_s) <= 0.4);
+  ASSERT_TRUE(decision.way_home_in_station_m.allFinite());
+  ASSERT_TRUE(std::isfinite(decision.turn_home_rad));
+}
+
+TEST(HoldController, EveryCombinationCommandsOrHoldsWithItsReason) {
+  for (const Case& c : every_case()) {
+    HoldConfig config{.mode = c.mode};
+    HoldController controller(config);
+    const HoldDecision decision = controller.decide(input_of(c));
+    expect_sound(decision);
+    if (testing::Test::HasFatalFailure()) return;
+    const HoldReason promised = promised_reason(c);
+    if (promised == HoldReason::none && decision.reason == HoldReason::within_dead_band) {
+      ASSERT_TRUE(c.kind == DisplacementKind::zero);
+    } else {
+      ASSERT_EQ(name_of(decision.reason), name_of(promised));
+    }
+    if (promised != HoldReason::none && !turns_only(promised) && c.mode != HoldMode::paper) {
+      ASSERT_EQ(decision.action, HoldAction::hold);
+    }
+    const bool healthy = promised == HoldReason::none && c.kind != DisplacementKind::zero;
+    // at the full and the low end a wanted rate may be all that is forbidden, never all three
+    ASSERT_TRUE(!healthy || decision.action == HoldAction::command);
+  }
+}
+
+TEST(HoldController, OneControllerSurvivesThemAll) {
+  for (const HoldMode mode : {HoldMode::paper, HoldMode::recommended}) {
+    HoldConfig config{.mode = mode};
+    config.paper.length.integral = config.paper.yaw.integral = config.recommended.yaw.integral = 1;
+    config.recommended.position.derivative = 0.3;
+    config.recommended.position.slew_limit = 1;
+    HoldController controller(config);
+    int k = 0;
+    for (const Case& c : every_case()) {
+      HoldInput input = input_of(c);
+      const std::int64_t later_ns = 33'000'000LL * ++k;
+      input.now.ns += later_ns;
+      if (input.estimate) input.estimate->stamp.ns += later_ns;
+      if (input.tether) input.tether->stamp.ns += later_ns;
+      expect_sound(controller.decide(input));
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(HoldController, AClockThatRunsBackStartsAfresh) {
+  HoldController used({}), fresh({});
+  HoldInput input = input_of({});
+  for (int k = 0; k < 100; ++k) {
+    input.now.ns += 33'000'000;
+    input.estimate->stamp = input.tether->stamp = input.now;
+    (void)used.decide(input);
+  }
+  const HoldDecision again = used.decide(input_of({}));
+  EXPECT_EQ(again.command.elevation_rate_rad_s,
+            fresh.decide(input_of({})).command.elevation_rate_rad_s);
+}
+
+TEST(HoldController, ThePapersTestOnTiltCanWaitForEver) {
+  Case c{.mode = HoldMode::paper};
+  HoldInput input = input_of(c);
+  input.estimate->reference_from_camera = so3_exp({6 * kDegree, 0, 0});
+  HoldController paper(HoldConfig{.mode = HoldMode::paper});
+  const HoldDecision waits = paper.decide(input);
+  EXPECT_EQ(waits.action, HoldAction::hold);
+  EXPECT_EQ(waits.reason, HoldReason::angle_first);
+  HoldController recommended({});
+  EXPECT_EQ(recommended.decide(input).reason, HoldReason::none);
+}
+
+TEST(HoldController, ThePaperDoesNothingUpToTwentyPixels) {
+  HoldInput input = input_of({.mode = HoldMode::paper, .yaw_rad = 0.05});
+  HoldController controller(HoldConfig{.mode = HoldMode::paper});
+  input.estimate->mean_shift_px = 20;
+  EXPECT_EQ(controller.decide(input).action, HoldAction::hold);
+  input.estimate->mean_shift_px = 20.5;
+  EXPECT_EQ(controller.decide(input).action, HoldAction::command);
+}
+
+TEST(HoldController, UnknownLengthIsNominalDepthTimesParallax) {
+  HoldController controller({});
+  const HoldDecision d = controller.decide(input_of({.kind = DisplacementKind::direction}));
+  EXPECT_NEAR(d.way_home_in_station_m.norm(), 4.0 * 0.1, 1e-12);
+}
+
+TEST(HoldController, ZeroDisplacementKeepsTheLearnedDriftOnly) {
+  HoldConfig config;
+  config.recommended.predict = false;
+  HoldController controller(config);
+  HoldInput input = input_of({.tether = Tether::zenith});
+  input.tether->tether = {5, 1, 0.3};
+  const auto at = [&](double t_s, const Vector3d& way_home) {
+    input.now = input.estimate->stamp = input.tether->stamp = from_seconds(t_s);
+    input.estimate->displacement_kind =
+        way_home.isZero() ? DisplacementKind::zero : DisplacementKind::metric;
+    input.estimate->displacement_in_reference = forward_camera().conjugate() * -way_home;
+    const TetherCommand c = controller.decide(input).command;
+    return Vector3d(velocity_in_station_m_s({5, 1, 0.3}, c));
+  };
+  (void)at(0, {0.05, 0, 0});
+  for (int k = 1; k <= 100; ++k) (void)at(0.01 * k, {0.05, 0, 0});
+  // integral 1 /s of what is beyond the dead band of 2 cm, over a second
+  const Vector3d drift = at(1.01, Vector3d::Zero());
+  EXPECT_NEAR(drift.x(), 0.03, 1e-6);
+  EXPECT_LT(drift.tail<2>().norm(), 1e-9);
+  // after a longer loss it is forgotten
+  input.estimate->status = EstimateStatus::lost;
+  EXPECT_EQ(at(2, Vector3d::Zero()).norm(), 0);
+  input.estimate->status = EstimateStatus::ok;
+  EXPECT_NEAR(at(2.5, Vector3d::Zero()).x(), 0.03, 1e-6);
+  EXPECT_EQ(at(5, Vector3d::Zero()).norm(), 0);
+}
+
+TEST(HoldController, RejectsALengthWithoutRange) {
+  HoldConfig config;
+  config.limits.min_length_m = 20;
+  EXPECT_THROW(HoldController{config}, InputError);
+}
+
+}  // namespace
+}  // namespace stillkite
