@@ -1,0 +1,279 @@
+#include "flow/feature_tracker.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/mat.hpp>
+
+#include "flow/picture_search.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr int kFeatureWindow_px = 16;
+constexpr float kFeatureWindowPixels = kFeatureWindow_px * kFeatureWindow_px;
+constexpr int kCoarseSteps = 2;
+constexpr float kLongestStep_px = 3;
+// smaller eigenvalue of the structure tensor that noise of a grey value or two does not feign
+constexpr float kTexture = kFeatureWindowPixels / 2;
+constexpr int kFewestToGuide = 8;
+
+/// One tile a feature, as near to it as whole pixels and the picture's border allow.
+TileGrid feature_grid(const std::vector<Eigen::Vector2f>& centres_px, float scale,
+                      const cv::Mat& picture) {
+  TileGrid grid;
+  grid.columns = grid.rows = kFeatureWindow_px;
+  const int count = static_cast<int>(centres_px.size());
+  grid.count = (count + TileGrid::kPadding - 1) / TileGrid::kPadding * TileGrid::kPadding;
+  constexpr float kHalf = 0.5F * (kFeatureWindow_px - 1);
+  const auto first = [](float centre, int size) {
+    return std::clamp(static_cast<int>(std::lround(centre - kHalf)), 1,
+                      size - kFeatureWindow_px - 2);
+  };
+  for (int i = 0; i < grid.count; ++i) {
+    const bool real = i < count;
+    const Eigen::Vector2f at =
+        real ? (((centres_px[static_cast<std::size_t>(i)].array() + 0.5F) * scale) - 0.5F).eval()
+             : Eigen::Array2f::Constant(kHalf + 1).eval();
+    grid.left_px.push_back(first(at.x(), picture.cols));
+    grid.top_px.push_back(first(at.y(), picture.rows));
+    const float nowhere = real ? 0 : TilePlacement::kNowhere_px;
+    grid.centre_x_px.push_back(nowhere + static_cast<float>(grid.left_px.back()) + kHalf);
+    grid.centre_y_px.push_back(nowhere + static_cast<float>(grid.top_px.back()) + kHalf);
+  }
+  return grid;
+}
+
+/// The Lucas-Kanade step G u = g of one tile; nothing happens where there is too little texture.
+Eigen::Vector2f tile_step(const TileMeasurements& m, std::size_t i) {
+  const float half_trace = 0.5F * (m.gxx[i] + m.gyy[i]);
+  const float determinant = m.gxx[i] * m.gyy[i] - m.gxy[i] * m.gxy[i];
+  const float smaller =
+      half_trace - std::sqrt(std::max(0.0F, half_trace * half_trace - determinant));
+  if (smaller < kTexture) return Eigen::Vector2f::Zero();
+  const Eigen::Vector2f u((m.gyy[i] * m.gx[i] - m.gxy[i] * m.gy[i]) / determinant,
+                          (m.gxx[i] * m.gy[i] - m.gxy[i] * m.gx[i]) / determinant);
+  const float length = u.norm();
+  return length > kLongestStep_px ? (u * (kLongestStep_px / length)).eval() : u;
+}
+
+/// Of the window in the reference with the window now, before the last step.
+float correlation_of(const TileMeasurements& m, std::size_t i) {
+  const float current = m.contrast[i] - 2 * m.gain_product[i] + m.residual[i];
+  const float product = m.contrast[i] * current;
+  return product > 0 ? (m.contrast[i] - m.gain_product[i]) / std::sqrt(product) : -1;
+}
+
+}  // namespace
+
+void FeatureTracker::set_reference(const cv::Mat& grey,
+                                   const std::vector<cv::Point2f>& features_px) {
+  reference_.build(grey, config_.levels);
+  tracks_ = {};
+  for (const cv::Point2f& at : features_px) {
+    const float left = std::round(at.x) - kFeatureWindow_px / 2;
+    const float top = std::round(at.y) - kFeatureWindow_px / 2;
+    const bool is_inside = left >= 1 && top >= 1 &&
+                           left + kFeatureWindow_px + 2 <= static_cast<float>(grey.cols) &&
+                           top + kFeatureWindow_px + 2 <= static_cast<float>(grey.rows);
+    // what is followed is the window's centre, half a pixel from the corner
+    if (is_inside) tracks_.reference_px.emplace_back(left + 7.5F, top + 7.5F);
+  }
+  grids_.clear();
+  for (int level = 0; level < reference_.levels(); ++level) {
+    grids_.push_back(
+        feature_grid(tracks_.reference_px, std::ldexp(1.0F, -level), reference_.level(level)));
+  }
+  const std::size_t count = tracks_.reference_px.size();
+  tracks_.current_px = tracks_.reference_px;
+  tracks_.found.assign(count, 0);
+  displacements_px_.assign(count, Eigen::Vector2f::Zero());
+  last_steps_px_.assign(count, 0);
+  correlations_.assign(count, 0);
+  alive_.assign(count, 0);
+  motion_ = {};
+  has_last_ = false;
+}
+
+const FeatureTracks& FeatureTracker::track(const cv::Mat& grey) {
+  current_.build(grey, config_.levels);
+  // 1. From where the features were last, or from where they are in the reference.
+  const bool warm = config_.warm_start && has_last_;
+  if (!warm) motion_ = {};
+  for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
+    if (!warm || tracks_.found[i] == 0) {
+      displacements_px_[i] = motion_.at(tracks_.reference_px[i]);
+    }
+  }
+  align();
+  // 2. Where next to none is there, the whole picture may have moved far: search it.
+  if (config_.search && is_lost()) search();
+  if (tracks_.found_count >= kFewestToGuide) {
+    motion_ = fit_affine_flow(tracks_.reference_px, displacements_px_, tracks_.found);
+    has_last_ = true;
+  }
+  last_found_count_ = tracks_.found_count;
+  return tracks_;
+}
+
+void FeatureTracker::align() {
+  // 1. Lucas-Kanade, coarse to fine; what strays on a coarse level goes on with the others.
+  for (int level = reference_.levels() - 1; level > 0; --level) {
+    for (int i = 0; i < kCoarseSteps; ++i) step(level, TileWarp::shift);
+    regularise(level);
+  }
+  constexpr float kSlightDeformation = 0.03F;
+  const TileWarp warp =
+      motion_.gradient.norm() > kSlightDeformation ? TileWarp::affine : TileWarp::shift;
+  for (int i = 0; i < config_.steps; ++i) step(0, warp);
+  // 2. What has left the picture, looks different or does not lead back is lost.
+  judge();
+  if (config_.forward_backward_px > 0) track_back();
+  tracks_.found_count = static_cast<int>(std::count(tracks_.found.begin(), tracks_.found.end(), 1));
+}
+
+// Few are left, and they did not leave one by one.
+bool FeatureTracker::is_lost() const {
+  constexpr double kFewShare = 0.25;
+  constexpr double kSuddenShare = 0.5;
+  return tracks_.found_count < kFewShare * static_cast<double>(tracks_.found.size()) &&
+         (!has_last_ || tracks_.found_count < kSuddenShare * last_found_count_);
+}
+
+void FeatureTracker::search() {
+  const Eigen::Vector2f middle(0.5F * static_cast<float>(current_.level(0).cols - 1),
+                               0.5F * static_cast<float>(current_.level(0).rows - 1));
+  const AffineFlow last_motion = motion_;
+  FeatureTracks best = tracks_;
+  std::vector<Eigen::Vector2f> best_displacements_px = displacements_px_;
+  for (const PictureShift& found : find_shifts(reference_.level(0), current_.level(0))) {
+    motion_ = {.about_px = middle, .offset_px = found.shift_px.cast<float>()};
+    motion_.gradient = Eigen::Rotation2Df(static_cast<float>(found.turn_rad)).toRotationMatrix() -
+                       Eigen::Matrix2f::Identity();
+    for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
+      displacements_px_[i] = motion_.at(tracks_.reference_px[i]);
+    }
+    align();
+    if (tracks_.found_count <= best.found_count) continue;
+    best = tracks_;
+    best_displacements_px = displacements_px_;
+  }
+  tracks_ = std::move(best);
+  displacements_px_ = std::move(best_displacements_px);
+  motion_ = last_motion;
+}
+
+void FeatureTracker::place(int level) {
+  const TileGrid& grid = grids_[static_cast<std::size_t>(level)];
+  const float scale = std::ldexp(1.0F, -level);
+  placement_.resize(grid.count);
+  for (int i = 0; i < grid.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Eigen::Vector2f d = k < displacements_px_.size() ? (scale * displacements_px_[k]).eval()
+                                                           : Eigen::Vector2f(0, 0);
+    placement_.x_px[k] = grid.centre_x_px[k] + d.x();
+    placement_.y_px[k] = grid.centre_y_px[k] + d.y();
+    placement_.axx[k] = 1 + motion_.gradient(0, 0);
+    placement_.axy[k] = motion_.gradient(0, 1);
+    placement_.ayx[k] = motion_.gradient(1, 0);
+    placement_.ayy[k] = 1 + motion_.gradient(1, 1);
+  }
+}
+
+void FeatureTracker::step(int level, TileWarp warp) {
+  place(level);
+  const bool finest = level == 0;
+  const TileMeasurements& m = tiles_.measure(reference_.level(level), current_.level(level),
+                                             grids_[static_cast<std::size_t>(level)], placement_,
+                                             warp, 1.0F, {.cubic = finest, .contrast = finest});
+  for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
+    alive_[i] = m.gxx[i] > 0 ? 1 : 0;
+    const Eigen::Vector2f u = tile_step(m, i);
+    last_steps_px_[i] = u.norm();
+    displacements_px_[i] += std::ldexp(1.0F, level) * u;
+    if (finest) correlations_[i] = correlation_of(m, i);
+  }
+}
+
+void FeatureTracker::regularise(int level) {
+  constexpr float kStraySigmas = 4;
+  motion_ = fit_affine_flow(tracks_.reference_px, displacements_px_, alive_);
+  if (motion_.inliers < kFewestToGuide) {
+    motion_.gradient.setZero();
+    return;
+  }
+  const float stray_px = std::max(kStraySigmas * motion_.deviation_px, std::ldexp(1.0F, level));
+  for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
+    const Eigen::Vector2f expected = motion_.at(tracks_.reference_px[i]);
+    if (alive_[i] == 0 || (displacements_px_[i] - expected).norm() > stray_px) {
+      displacements_px_[i] = expected;
+    }
+  }
+}
+
+void FeatureTracker::judge() {
+  constexpr float kSettled_px = 0.2F;
+  constexpr float kMargin_px = 0.5F * kFeatureWindow_px;
+  const Eigen::Array2f last = Eigen::Array2f(static_cast<float>(current_.level(0).cols - 1),
+                                             static_cast<float>(current_.level(0).rows - 1)) -
+                              kMargin_px;
+  for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
+    tracks_.current_px[i] = tracks_.reference_px[i] + displacements_px_[i];
+    const Eigen::Array2f at = tracks_.current_px[i].array();
+    const bool is_inside = (at > kMargin_px).all() && (at < last).all();
+    tracks_.found[i] = alive_[i] != 0 && is_inside && last_steps_px_[i] < kSettled_px &&
+                               correlations_[i] > static_cast<float>(config_.min_correlation)
+                           ? 1
+                           : 0;
+  }
+}
+
+void FeatureTracker::track_back() {
+  constexpr int kBackSteps = 3;
+  constexpr float kStartOff_px = 2;
+  back_grid_ = feature_grid(tracks_.current_px, 1, current_.level(0));
+  placement_.resize(back_grid_.count);
+  const Eigen::Matrix2f A = Eigen::Matrix2f::Identity() + motion_.gradient;
+  const Eigen::Matrix2f back =
+      A.determinant() > 0.1F ? A.inverse().eval() : Eigen::Matrix2f::Identity();
+  for (std::size_t i = 0; i < placement_.x_px.size(); ++i) {
+    const bool real = i < tracks_.found.size() && tracks_.found[i] != 0;
+    Eigen::Vector2f start(TilePlacement::kNowhere_px, TilePlacement::kNowhere_px);
+    if (real) {
+      // from where the picture as a whole would have it, not from the answer that is tested
+      const Eigen::Vector2f whole = motion_.at(tracks_.reference_px[i]) - displacements_px_[i];
+      const float length = whole.norm();
+      const Eigen::Vector2f off = whole * std::min(1.0F, kStartOff_px / std::max(length, 1e-6F));
+      const Eigen::Vector2f centre(back_grid_.centre_x_px[i], back_grid_.centre_y_px[i]);
+      start = tracks_.reference_px[i] + back * (centre - tracks_.current_px[i]) - off;
+    }
+    placement_.x_px[i] = start.x();
+    placement_.y_px[i] = start.y();
+    placement_.axx[i] = back(0, 0);
+    placement_.axy[i] = back(0, 1);
+    placement_.ayx[i] = back(1, 0);
+    placement_.ayy[i] = back(1, 1);
+  }
+  for (int step = 0; step < kBackSteps; ++step) {
+    const TileMeasurements& m =
+        tiles_.measure(current_.level(0), reference_.level(0), back_grid_, placement_,
+                       TileWarp::shift, 1.0F, {.cubic = true, .contrast = false});
+    for (std::size_t i = 0; i < tracks_.found.size(); ++i) {
+      const Eigen::Vector2f u = tile_step(m, i);
+      placement_.x_px[i] += u.x();
+      placement_.y_px[i] += u.y();
+    }
+  }
+  for (std::size_t i = 0; i < tracks_.found.size(); ++i) {
+    if (tracks_.found[i] == 0) continue;
+    const Eigen::Vector2f centre(back_grid_.centre_x_px[i], back_grid_.centre_y_px[i]);
+    const Eigen::Vector2f led_to(placement_.x_px[i], placement_.y_px[i]);
+    const Eigen::Vector2f began = tracks_.reference_px[i] + back * (centre - tracks_.current_px[i]);
+    if ((led_to - began).norm() > static_cast<float>(config_.forward_backward_px)) {
+      tracks_.found[i] = 0;
+    }
+  }
+}
+
+}  // namespace stillkite

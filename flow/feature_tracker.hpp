@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+#include "flow/affine_flow.hpp"
+#include "flow/pyramid.hpp"
+#include "flow/tile_flow.hpp"
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+
+struct FeatureTrackerConfig {
+  int levels = 4;
+  int steps = 4;
+  double min_correlation = 0.7;
+  double forward_backward_px = 0.5;
+  bool warm_start = true;
+  bool search = true;
+
+  static void fields(auto& self, auto&& field) {
+    field("levels", self.levels, Range{1, 8}, "of the pyramid");
+    field("steps", self.steps, Range{1, 30}, "Lucas-Kanade steps on the finest level");
+    field("min_correlation", self.min_correlation, Range{-1, 1},
+          "of a feature's window now with that in the reference, below which it is lost");
+    field("forward_backward_px", self.forward_backward_px, kNotNegative,
+          "a feature tracked back must end this near to where it began; 0: not tracked back");
+    field("warm_start", self.warm_start, "start where the features were in the last frame");
+    field("search", self.search, "search the whole picture where next to no feature is found");
+  }
+};
+
+/// Where the reference's features are now; entries of the reference's order.
+struct FeatureTracks {
+  std::vector<Eigen::Vector2f> reference_px;
+  std::vector<Eigen::Vector2f> current_px;
+  std::vector<unsigned char> found;  ///< 1 where `current_px` is to be believed
+  int found_count = 0;
+};
+
+/// Sparse Lucas-Kanade from a fixed reference picture: windows of 16x16 px about its features, in
+/// every frame compared with the reference itself, so that no drift adds up. The windows are those
+/// of the flow stage (TileFlow): their sums are formed in registers, which costs less than fetching
+/// gradients and Hessians kept from the reference would (docs/adr/0005).
+class FeatureTracker {
+ public:
+  explicit FeatureTracker(const FeatureTrackerConfig& config) : config_(config) {}
+
+  /// Features whose window leaves the picture are left out. The pixels are shared, not copied.
+  void set_reference(const cv::Mat& grey, const std::vector<cv::Point2f>& features_px);
+
+  /// The current picture has the reference's size. The answer holds until the next call.
+  const FeatureTracks& track(const cv::Mat& grey);
+
+ private:
+  void align();
+  [[nodiscard]] bool is_lost() const;
+  void search();
+  void place(int level);
+  void step(int level, TileWarp warp);
+  void regularise(int level);
+  void judge();
+  void track_back();
+
+  FeatureTrackerConfig config_;
+  Pyramid reference_, current_;
+  std::vector<TileGrid> grids_;  // one a level, one tile a feature
+  TileGrid back_grid_;
+  TilePlacement placement_;
+  TileFlow tiles_;
+  AffineFlow motion_;
+  std::vector<Eigen::Vector2f> displacements_px_;
+  std::vector<float> last_steps_px_;
+  std::vector<float> correlations_;
+  std::vector<unsigned char> alive_;  // in the level at hand
+  FeatureTracks tracks_;
+  int last_found_count_ = 0;
+  bool has_last_ = false;
+};
+
+}  // namespace stillkite

@@ -1,0 +1,178 @@
+#include "flow/feature_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "analytic_image.hpp"
+#include "flow/feature_detection.hpp"
+#include "flow/opencv_feature_tracker.hpp"
+
+namespace stillkite {
+namespace {
+
+const cv::Size kSize(400, 300);
+
+Eigen::Affine2d motion_about_middle(double angle_rad, double scale, const Eigen::Vector2d& shift) {
+  const Eigen::Vector2d middle(200, 150);
+  return Eigen::Translation2d(middle + shift) * Eigen::Rotation2Dd(angle_rad) *
+         Eigen::Scaling(scale) * Eigen::Translation2d(-middle);
+}
+
+std::vector<cv::Point2f> corners(const cv::Mat& grey) {
+  return detect_features(grey, {.max_features = 200, .min_distance_px = 8});
+}
+
+/// Largest error of the features that were found, and how many those are.
+struct TrackError {
+  double worst_px = 0;
+  int found = 0;
+};
+TrackError error_of(const FeatureTracks& tracks, const Eigen::Affine2d& motion) {
+  TrackError error;
+  for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+    if (tracks.found[i] == 0) continue;
+    ++error.found;
+    const Eigen::Vector2d truth = motion * tracks.reference_px[i].cast<double>();
+    error.worst_px = std::max(error.worst_px, (tracks.current_px[i].cast<double>() - truth).norm());
+  }
+  return error;
+}
+
+TEST(FeatureTracker, FindsFeaturesWhereTheyHaveMoved) {
+  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  FeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  const struct {
+    Eigen::Affine2d motion;
+    double allowed_px;
+  } cases[] = {{motion_about_middle(0, 1, {0, 0}), 0.02},
+               {motion_about_middle(0, 1, {3.3, -1.7}), 0.05},
+               {motion_about_middle(0.01, 1.01, {-4.6, 2.2}), 0.05},
+               {motion_about_middle(-0.02, 0.98, {2, 3}), 0.1}};
+  for (const auto& at : cases) {
+    tracker.set_reference(reference, corners(reference));
+    const TrackError error = error_of(tracker.track(analytic_frame(kSize, at.motion)), at.motion);
+    EXPECT_GT(error.found, 100);
+    EXPECT_LT(error.worst_px, at.allowed_px);
+  }
+}
+
+// Structures of all sizes, as a scene has them: a long way then leaves no doubt.
+cv::Mat scene() {
+  cv::RNG random(7);
+  cv::Mat sum = cv::Mat::zeros(kSize, CV_32F);
+  for (int cell = 4; cell <= 64; cell *= 2) {
+    cv::Mat noise(kSize / cell, CV_32F);
+    random.fill(noise, cv::RNG::NORMAL, 0, 14);
+    cv::resize(noise, noise, kSize, 0, 0, cv::INTER_CUBIC);
+    sum += noise;
+  }
+  cv::Mat grey;
+  sum.convertTo(grey, CV_8U, 1, 128);
+  return grey;
+}
+
+TEST(FeatureTracker, FindsFeaturesFarFromWhereTheyWere) {
+  const cv::Mat reference = scene();
+  FeatureTracker tracker({});
+  for (const Eigen::Affine2d& motion :
+       {motion_about_middle(0, 1, {-21, 17}), motion_about_middle(0.06, 1.05, {6, 3}),
+        motion_about_middle(-0.12, 0.92, {-4, 2})}) {
+    cv::Mat moved;
+    const cv::Matx23d A(motion(0, 0), motion(0, 1), motion(0, 2), motion(1, 0), motion(1, 1),
+                        motion(1, 2));
+    cv::warpAffine(reference, moved, A, kSize, cv::INTER_CUBIC, cv::BORDER_REFLECT);
+    tracker.set_reference(reference, corners(reference));
+    const TrackError error = error_of(tracker.track(moved), motion);
+    EXPECT_GT(error.found, 70);
+    EXPECT_LT(error.worst_px, 0.25);
+  }
+}
+
+TEST(FeatureTracker, FollowsALongWayWithoutDrift) {
+  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  FeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  for (int i = 1; i <= 12; ++i) {
+    const Eigen::Affine2d motion = motion_about_middle(0.01 * i, 1 + 0.01 * i, {5.0 * i, 2.0 * i});
+    const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
+    EXPECT_GT(error.found, 40) << i;
+    EXPECT_LT(error.worst_px, 0.2) << i;
+  }
+}
+
+TEST(FeatureTracker, DoesNotMindBrightness) {
+  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  FeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  const Eigen::Affine2d motion = motion_about_middle(0, 1, {2.4, 1.1});
+  const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion, 12)), motion);
+  EXPECT_GT(error.found, 100);
+  EXPECT_LT(error.worst_px, 0.06);
+}
+
+TEST(FeatureTracker, LosesWhatIsCovered) {
+  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  FeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  const Eigen::Affine2d motion = motion_about_middle(0, 1, {2, 1});
+  cv::Mat covered = analytic_frame(kSize, motion);
+  covered(cv::Rect(200, 0, 200, 300)).setTo(90);
+  const FeatureTracks& tracks = tracker.track(covered);
+  for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+    const bool is_covered = tracks.reference_px[i].x() > 210;
+    EXPECT_FALSE(is_covered && tracks.found[i] != 0) << i;
+  }
+  EXPECT_LT(error_of(tracks, motion).worst_px, 0.5);  // of a window that is half covered
+  EXPECT_GT(tracks.found_count, 40);
+}
+
+TEST(FeatureTracker, FindsNothingInABlackFrameAndEverythingAfterIt) {
+  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  FeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  EXPECT_EQ(tracker.track(cv::Mat::zeros(kSize, CV_8UC1)).found_count, 0);
+  const Eigen::Affine2d motion = motion_about_middle(0, 1, {5, -3});
+  const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
+  EXPECT_GT(error.found, 100);
+  EXPECT_LT(error.worst_px, 0.05);
+}
+
+TEST(OpenCvFeatureTracker, FindsFeaturesWhereTheyHaveMoved) {
+  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  OpenCvFeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  const Eigen::Affine2d motion = motion_about_middle(0, 1, {-14.6, 9.2});
+  const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
+  EXPECT_GT(error.found, 100);
+}
+
+TEST(FeatureDetection, EachDetectorFindsFeaturesThatMatchThemselves) {
+  const cv::Mat grey = analytic_frame({400, 300}, Eigen::Affine2d::Identity());
+  for (const auto& [kind, name] : EnumNames<Detector>::value) {
+    FeatureMatcher matcher({.kind = kind, .max_features = 300, .fast_threshold = 5});
+    matcher.set_reference(grey);
+    EXPECT_GT(matcher.reference_count(), 20) << name;
+    const FeatureMatches matches = matcher.match(grey);
+    EXPECT_GT(matches.reference_px.size(), 10U) << name;
+    for (std::size_t i = 0; i < matches.reference_px.size(); ++i) {
+      EXPECT_EQ(matches.reference_px[i], matches.current_px[i]) << name;
+    }
+  }
+}
+
+TEST(FeatureDetection, FindsNothingWhereThereIsNothing) {
+  const cv::Mat grey(200, 200, CV_8UC1, cv::Scalar(80));
+  for (const auto& [kind, name] : EnumNames<Detector>::value) {
+    EXPECT_TRUE(detect_features(grey, {.kind = kind}).empty()) << name;
+    FeatureMatcher matcher({.kind = kind});
+    matcher.set_reference(grey);
+    EXPECT_TRUE(matcher.match(grey).reference_px.empty()) << name;
+  }
+}
+
+}  // namespace
+}  // namespace stillkite
