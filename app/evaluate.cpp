@@ -98,16 +98,17 @@ void print_relative(const char* name, const std::optional<RelativeError>& error)
 void print_table(const Evaluation& evaluation, const EvaluateArguments& arguments,
                  std::size_t estimates) {
   const TrajectoryError& error = *evaluation.trajectory;
+  const PositionError& position = *error.position;
   fmt::print("matched {} of {} stamps, path {:.5g} m, alignment {}", evaluation.matched, estimates,
              evaluation.path_length_m, arguments.alignment);
   if (evaluation.alignment->scale != 1) {
     fmt::print(" (scale {:.6f})", evaluation.alignment->scale);
   }
   fmt::print("\n\nPose\n");
-  fmt::print("  {:<22} {:.5g} m, at most {:.5g} m\n", "position RMSE (ATE)", error.position_rmse_m,
-             error.position_max_m);
+  fmt::print("  {:<22} {:.5g} m, at most {:.5g} m\n", "position RMSE (ATE)", position.rmse_m,
+             position.max_m);
   fmt::print("  {:<22} {:.5g} m horizontal, {:.5g} m vertical\n", "end error",
-             error.end_error_horizontal_m, error.end_error_vertical_m);
+             position.end_horizontal_m, position.end_vertical_m);
   if (evaluation.drift_percent) {
     fmt::print("  {:<22} {:.4g} % of the path\n", "drift", *evaluation.drift_percent);
   }
@@ -125,7 +126,7 @@ void print_table(const Evaluation& evaluation, const EvaluateArguments& argument
 void run(const EvaluateArguments& arguments) {
   const TruthOnDisk truth = read_truth(arguments.truth);
   const std::vector<StampedPose> estimate = read_trajectory(arguments.estimate);
-  const Evaluation evaluation = evaluate(motion_estimates(estimate), truth.truth,
+  const Evaluation evaluation = evaluate(judged_motions(estimate), truth.truth,
                                          {.tolerance_s = arguments.tolerance_s,
                                           .alignment = alignment_named(arguments.alignment),
                                           .body_from_camera = truth.body_from_camera});

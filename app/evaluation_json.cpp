@@ -17,15 +17,18 @@ json axes(const Eigen::Vector3d& value) {
 }
 
 void add_trajectory(json& result, const std::optional<TrajectoryError>& error) {
-  const auto figure = [&](double TrajectoryError::*member) {
+  const auto length = [&](double PositionError::*member) {
+    return error && error->position ? json((*error->position).*member) : json();
+  };
+  const auto angle = [&](double TrajectoryError::*member) {
     return error ? json((*error).*member) : json();
   };
-  result["position_rmse_m"] = figure(&TrajectoryError::position_rmse_m);
-  result["position_max_m"] = figure(&TrajectoryError::position_max_m);
-  result["end_error_horizontal_m"] = figure(&TrajectoryError::end_error_horizontal_m);
-  result["end_error_vertical_m"] = figure(&TrajectoryError::end_error_vertical_m);
-  result["tilt_rmse_rad"] = figure(&TrajectoryError::tilt_rmse_rad);
-  result["yaw_rmse_rad"] = figure(&TrajectoryError::yaw_rmse_rad);
+  result["position_rmse_m"] = length(&PositionError::rmse_m);
+  result["position_max_m"] = length(&PositionError::max_m);
+  result["end_error_horizontal_m"] = length(&PositionError::end_horizontal_m);
+  result["end_error_vertical_m"] = length(&PositionError::end_vertical_m);
+  result["tilt_rmse_rad"] = angle(&TrajectoryError::tilt_rmse_rad);
+  result["yaw_rmse_rad"] = angle(&TrajectoryError::yaw_rmse_rad);
 }
 
 void add_vector(json& result, const std::string& name, const std::string& unit,
@@ -57,6 +60,17 @@ json consistency_json(const std::optional<Consistency>& consistency) {
           {"share_inside", consistency->share_inside}};
 }
 
+// Of poses seen from a reference frame, which the flow alone does not give.
+json reference_json(const std::optional<ReferenceError>& error) {
+  const auto figure = [&](const auto& value) { return error ? number_or_null(value) : json(); };
+  const ReferenceError of = error.value_or(ReferenceError{});
+  return {{"rotation_median_deg", figure(std::optional(of.rotation_median_deg))},
+          {"direction_median_deg", figure(of.direction_median_deg)},
+          {"displacement_rmse_m", figure(of.displacement_rmse_m)},
+          {"rotations", of.rotations},
+          {"directions", of.directions}};
+}
+
 }  // namespace
 
 json evaluation_json(const Evaluation& evaluation) {
@@ -67,14 +81,14 @@ json evaluation_json(const Evaluation& evaluation) {
   add_vector(result, "angular_rate", "rad_s", evaluation.angular_rate);
   result["relative"] = {{"per_frame", relative_json(evaluation.per_frame)},
                         {"per_tenth_of_path", relative_json(evaluation.per_tenth)}};
-  // Of an estimate against a fixed reference frame, which the flow alone does not make.
-  result["reference"] = {{"rotation_median_deg", nullptr},
-                         {"direction_median_deg", nullptr},
-                         {"displacement_rmse_m", nullptr}};
+  const ReferenceError reference = evaluation.reference.value_or(ReferenceError{});
+  result["reference"] = reference_json(evaluation.reference);
   result["nees"] = {{"position", consistency_json(evaluation.nees.position)},
                     {"attitude", consistency_json(evaluation.nees.attitude)},
                     {"velocity", consistency_json(evaluation.nees.velocity)},
-                    {"angular_rate", consistency_json(evaluation.nees.angular_rate)}};
+                    {"angular_rate", consistency_json(evaluation.nees.angular_rate)},
+                    {"reference_rotation", consistency_json(reference.rotation_nees)},
+                    {"reference_direction", consistency_json(reference.direction_nees)}};
   return result;
 }
 

@@ -66,7 +66,7 @@ void run(const RunArguments& arguments) {
   FrameSource source(config.source);
   const FlightInputs inputs = read_flight_inputs(config, source.first());
   Navigator navigator(inputs.camera, inputs.body_from_camera, config.navigator, inputs.initial,
-                      config.estimator.mode);
+                      config.estimator);
 
   const fs::path out =
       arguments.out.empty() ? fs::path("out") / arguments.config.stem() : arguments.out;

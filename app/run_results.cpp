@@ -15,13 +15,15 @@ namespace {
 using nlohmann::json;
 
 json evaluation_of(const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates) {
-  // without a scale the estimate is in heights, and no error in metres can be told
-  const bool is_metric = !estimates.empty() && estimates.back().scale != ScaleSource::none;
-  if (inputs.truth.empty() || !is_metric) return nullptr;
-  return evaluation_json(
-      evaluate(motion_estimates(estimates),
-               {.poses = inputs.truth, .twists_in_camera = inputs.twists_in_camera},
-               {.body_from_camera = inputs.body_from_camera}));
+  if (inputs.truth.empty() || estimates.empty()) return nullptr;
+  const EvaluationOptions options{.is_metric = estimates.back().scale != ScaleSource::none,
+                                  .body_from_camera = inputs.body_from_camera};
+  Evaluation evaluation =
+      evaluate(judged_motions(estimates),
+               {.poses = inputs.truth, .twists_in_camera = inputs.twists_in_camera}, options);
+  evaluation.reference =
+      reference_error(estimates, inputs.truth, inputs.body_from_camera, options.tolerance_s);
+  return evaluation_json(evaluation);
 }
 
 std::vector<std::optional<RigidTransform>> truth_at(
@@ -74,10 +76,17 @@ void print_run_results(const json& summary, const std::filesystem::path& folder)
   if (const json& errors = summary["evaluation"]; !errors.is_null()) {
     fmt::print("against truth: {} stamps, path {}\n", errors["matched"].dump(),
                figure(errors["path_length_m"], "m"));
-    fmt::print("  position   {} RMSE, drift {} of the path\n",
-               figure(errors["position_rmse_m"], "m"), figure(errors["drift_percent"], "%"));
+    if (errors["position_rmse_m"].is_number()) {
+      fmt::print("  position   {} RMSE, drift {} of the path\n",
+                 figure(errors["position_rmse_m"], "m"), figure(errors["drift_percent"], "%"));
+    }
     fmt::print("  attitude   {} tilt, {} yaw RMSE\n", figure(errors["tilt_rmse_rad"], "rad"),
                figure(errors["yaw_rmse_rad"], "rad"));
+    if (const json& reference = errors["reference"]; reference["rotation_median_deg"].is_number()) {
+      fmt::print("  from the reference: rotation {}, direction {} (median)\n",
+                 figure(reference["rotation_median_deg"], "deg"),
+                 figure(reference["direction_median_deg"], "deg"));
+    }
   }
   fmt::print("report       {}\n", (folder / "report.html").string());
 }

@@ -20,6 +20,7 @@ enum class Verdict {
   frozen,              ///< the same picture again
   lost,                ///< the alignment did not converge
   time_gap,            ///< stamps not ascending, or too far apart to predict across
+  gated,               ///< the rotation from the reference changed faster than is believed
 };
 
 template <>
@@ -33,7 +34,8 @@ struct EnumNames<Verdict> {
        {Verdict::horizon, "horizon"},
        {Verdict::frozen, "frozen"},
        {Verdict::lost, "lost"},
-       {Verdict::time_gap, "time_gap"}});
+       {Verdict::time_gap, "time_gap"},
+       {Verdict::gated, "gated"}});
 };
 
 /// Where the metres come from.

@@ -11,7 +11,7 @@ namespace {
 struct TwistPair {
   Twist estimate;
   Twist truth;
-  const MotionEstimate* source;
+  const JudgedMotion* source;
 };
 
 Twist difference(const PosePair& before, const PosePair& after, RigidTransform PosePair::*pose,
@@ -22,7 +22,7 @@ Twist difference(const PosePair& before, const PosePair& after, RigidTransform P
 
 /// Where estimate and truth both know the motion. Where the truth has velocities of its own, an
 /// estimate needs no true pose to be judged.
-std::vector<TwistPair> twist_pairs(std::span<const MotionEstimate> estimates,
+std::vector<TwistPair> twist_pairs(std::span<const JudgedMotion> estimates,
                                    std::span<const PosePair> pairs, const Truth& truth,
                                    const EvaluationOptions& options, double scale) {
   std::vector<const PosePair*> pair_of(estimates.size(), nullptr);
@@ -79,7 +79,7 @@ struct PoseNees {
   std::vector<double> position, attitude;
 };
 
-PoseNees pose_nees(std::span<const MotionEstimate> estimates, std::span<const PosePair> pairs) {
+PoseNees pose_nees(std::span<const JudgedMotion> estimates, std::span<const PosePair> pairs) {
   PoseNees samples;
   for (const PosePair& pair : pairs) {
     const auto& P = estimates[pair.index].pose_covariance;
@@ -94,20 +94,30 @@ PoseNees pose_nees(std::span<const MotionEstimate> estimates, std::span<const Po
   return samples;
 }
 
-std::optional<double> drift_percent(const TrajectoryError& error, double path_length_m) {
+void forget_lengths(Evaluation& result) {
+  if (result.trajectory) result.trajectory->position.reset();
+  result.drift_percent.reset();
+  result.per_frame.reset();
+  result.per_tenth.reset();
+  result.velocity.reset();
+  result.nees.position.reset();
+  result.nees.velocity.reset();
+}
+
+std::optional<double> drift_percent(const PositionError& error, double path_length_m) {
   if (!(path_length_m > 0)) return std::nullopt;
-  return 100 * std::hypot(error.end_error_horizontal_m, error.end_error_vertical_m) / path_length_m;
+  return 100 * std::hypot(error.end_horizontal_m, error.end_vertical_m) / path_length_m;
 }
 
 }  // namespace
 
-std::vector<MotionEstimate> motion_estimates(std::span<const NavigationEstimate> estimates) {
-  std::vector<MotionEstimate> result;
+std::vector<JudgedMotion> judged_motions(std::span<const NavigationEstimate> estimates) {
+  std::vector<JudgedMotion> result;
   result.reserve(estimates.size());
   for (const NavigationEstimate& estimate : estimates) {
-    MotionEstimate motion{.stamp = estimate.stamp,
-                          .world_from_body = estimate.world_from_body,
-                          .pose_covariance = estimate.pose_covariance};
+    JudgedMotion motion{.stamp = estimate.stamp,
+                        .world_from_body = estimate.world_from_body,
+                        .pose_covariance = estimate.pose_covariance};
     if (estimate.verdict != Verdict::first_frame) {
       motion.twist_in_camera = estimate.twist_in_camera;
       motion.twist_covariance = estimate.twist_covariance;
@@ -117,8 +127,8 @@ std::vector<MotionEstimate> motion_estimates(std::span<const NavigationEstimate>
   return result;
 }
 
-std::vector<MotionEstimate> motion_estimates(std::span<const StampedPose> poses) {
-  std::vector<MotionEstimate> result;
+std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses) {
+  std::vector<JudgedMotion> result;
   result.reserve(poses.size());
   for (const StampedPose& pose : poses) {
     result.push_back({.stamp = pose.stamp, .world_from_body = pose.world_from_body});
@@ -126,12 +136,12 @@ std::vector<MotionEstimate> motion_estimates(std::span<const StampedPose> poses)
   return result;
 }
 
-Evaluation evaluate(std::span<const MotionEstimate> estimates, const Truth& truth,
+Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
                     const EvaluationOptions& options) {
   std::vector<StampedPose> poses;
   poses.reserve(estimates.size());
   std::transform(estimates.begin(), estimates.end(), std::back_inserter(poses),
-                 [](const MotionEstimate& e) {
+                 [](const JudgedMotion& e) {
                    return StampedPose{e.stamp, e.world_from_body};
                  });
 
@@ -144,7 +154,7 @@ Evaluation evaluate(std::span<const MotionEstimate> estimates, const Truth& trut
   const std::vector<PosePair> pairs = aligned(raw, result.alignment.value_or(Similarity{}));
   if (result.alignment) {
     result.trajectory = trajectory_error(pairs);
-    result.drift_percent = drift_percent(*result.trajectory, result.path_length_m);
+    result.drift_percent = drift_percent(*result.trajectory->position, result.path_length_m);
     result.per_frame = relative_error_over_frames(pairs, 1);
     if (result.path_length_m > 0) {
       result.per_tenth = relative_error_over_distance(pairs, result.path_length_m / 10);
@@ -165,6 +175,7 @@ Evaluation evaluate(std::span<const MotionEstimate> estimates, const Truth& trut
   }
   result.nees.velocity = twist_consistency(twists, &Twist::velocity_m_s, 0);
   result.nees.angular_rate = twist_consistency(twists, &Twist::angular_rate_rad_s, 3);
+  if (!options.is_metric) forget_lengths(result);
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include "evaluation/alignment.hpp"
 #include "evaluation/association.hpp"
 #include "evaluation/consistency.hpp"
+#include "evaluation/reference_error.hpp"
 #include "evaluation/trajectory_error.hpp"
 #include "evaluation/vector_error.hpp"
 #include "navigation/navigation_estimate.hpp"
@@ -15,7 +16,7 @@
 namespace stillkite {
 
 /// What an estimator says about one moment, as far as it says it.
-struct MotionEstimate {
+struct JudgedMotion {
   Timestamp stamp;
   RigidTransform world_from_body;
   std::optional<Twist> twist_in_camera;      ///< else the difference of neighbouring poses
@@ -24,15 +25,16 @@ struct MotionEstimate {
 };
 
 /// All of a run's frames; the first one's twist is left out, nothing was measured yet.
-[[nodiscard]] std::vector<MotionEstimate> motion_estimates(
+[[nodiscard]] std::vector<JudgedMotion> judged_motions(
     std::span<const NavigationEstimate> estimates);
 
 /// Poses alone, as a trajectory file has them.
-[[nodiscard]] std::vector<MotionEstimate> motion_estimates(std::span<const StampedPose> poses);
+[[nodiscard]] std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses);
 
 struct EvaluationOptions {
   double tolerance_s = 0.01;  ///< between an estimate and the nearest truth
   Alignment alignment = Alignment::none;
+  bool is_metric = true;  ///< false: lengths of the estimate are not metres, and are not compared
   RigidTransform body_from_camera;
 };
 
@@ -47,14 +49,16 @@ struct Evaluation {
   std::optional<RelativeError> per_tenth;   ///< over a tenth of the path
   std::optional<VectorError> velocity;      ///< m/s, in the camera
   std::optional<VectorError> angular_rate;  ///< rad/s, in the camera
+  std::optional<ReferenceError> reference;  ///< not by `evaluate`: of a run with such an estimator
   struct {
     std::optional<Consistency> position, attitude, velocity, angular_rate;
   } nees;
 };
 
 /// Velocities are compared half way between a frame and the one before it: with
-/// `truth.twists_in_camera` where it has any, else with the difference of the true poses.
-[[nodiscard]] Evaluation evaluate(std::span<const MotionEstimate> estimates, const Truth& truth,
+/// `truth.twists_in_camera` where it has any, else with the difference of the true poses. Of an
+/// estimate without a scale only attitude and angular rate are judged.
+[[nodiscard]] Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
                                   const EvaluationOptions& options = {});
 
 }  // namespace stillkite

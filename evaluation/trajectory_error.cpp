@@ -50,23 +50,25 @@ std::optional<RelativeError> relative_error(
 std::optional<TrajectoryError> trajectory_error(std::span<const PosePair> pairs) {
   if (pairs.empty()) return std::nullopt;
   TrajectoryError result;
+  PositionError position;
   const double n = static_cast<double>(pairs.size());
   for (const PosePair& pair : pairs) {
     const double distance_m = (pair.estimate.translation - pair.truth.translation).norm();
     const Eigen::Quaterniond error = pair.estimate.rotation * pair.truth.rotation.conjugate();
     const double tilt = tilt_rad(error);
     const double yaw = twist_about_vertical_rad(error);
-    result.position_rmse_m += distance_m * distance_m / n;
-    result.position_max_m = std::max(result.position_max_m, distance_m);
+    position.rmse_m += distance_m * distance_m / n;
+    position.max_m = std::max(position.max_m, distance_m);
     result.tilt_rmse_rad += tilt * tilt / n;
     result.yaw_rmse_rad += yaw * yaw / n;
   }
-  result.position_rmse_m = std::sqrt(result.position_rmse_m);
+  position.rmse_m = std::sqrt(position.rmse_m);
   result.tilt_rmse_rad = std::sqrt(result.tilt_rmse_rad);
   result.yaw_rmse_rad = std::sqrt(result.yaw_rmse_rad);
   const Eigen::Vector3d end = pairs.back().estimate.translation - pairs.back().truth.translation;
-  result.end_error_horizontal_m = end.head<2>().norm();
-  result.end_error_vertical_m = std::abs(end.z());
+  position.end_horizontal_m = end.head<2>().norm();
+  position.end_vertical_m = std::abs(end.z());
+  result.position = position;
   return result;
 }
 

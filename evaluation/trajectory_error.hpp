@@ -7,14 +7,18 @@
 
 namespace stillkite {
 
+struct PositionError {
+  double rmse_m = 0;  ///< absolute trajectory error (ATE), 3-D
+  double max_m = 0;
+  double end_horizontal_m = 0;
+  double end_vertical_m = 0;  ///< magnitude
+};
+
 /// Absolute error of a trajectory, estimate minus truth, in the world.
 struct TrajectoryError {
-  double position_rmse_m = 0;  ///< absolute trajectory error (ATE), 3-D
-  double position_max_m = 0;
-  double end_error_horizontal_m = 0;
-  double end_error_vertical_m = 0;  ///< magnitude
-  double tilt_rmse_rad = 0;         ///< between the two verticals
-  double yaw_rmse_rad = 0;          ///< the twist about the vertical of estimate * truth^-1
+  std::optional<PositionError> position;  ///< nothing: the estimate has no scale
+  double tilt_rmse_rad = 0;               ///< between the two verticals
+  double yaw_rmse_rad = 0;                ///< the twist about the vertical of estimate * truth^-1
 };
 /// Nothing of no pairs.
 [[nodiscard]] std::optional<TrajectoryError> trajectory_error(std::span<const PosePair> pairs);

@@ -23,7 +23,10 @@ constexpr const char* kHeader =
     "sd_vx_camera [m/s],sd_vy_camera [m/s],sd_vz_camera [m/s],"
     "sd_wx_camera [rad/s],sd_wy_camera [rad/s],sd_wz_camera [rad/s],"
     "scale,scale_age [s],new_keyframe,"
-    "windows,inlier_ratio [],mean_flow [px],residual [px],condition []";
+    "windows,inlier_ratio [],mean_flow [px],residual [px],condition [],"
+    "reference_stamp [ns],reference_model,displacement,"
+    "reference_dx [],reference_dy [],reference_dz [],"
+    "reference_qw [],reference_qx [],reference_qy [],reference_qz [],parallax [rad]";
 
 class Row {
  public:
@@ -59,6 +62,21 @@ class Row {
   std::string text_;
 };
 
+// The camera seen from its reference, in the reference's camera frame; the displacement in metres
+// where it is metric, else a unit vector.
+void add_reference(Row& row, const std::optional<ReferenceReport>& report) {
+  constexpr int kCells = 11;
+  if (!report) {
+    for (int i = 0; i < kCells; ++i) row.word("");
+    return;
+  }
+  const MotionEstimate& motion = report->motion;
+  const Eigen::Quaterniond& q = motion.reference_from_camera;
+  row.whole(report->reference_stamp.ns).word(name_of(report->model));
+  row.word(name_of(motion.displacement_kind)).numbers(motion.displacement_in_reference);
+  row.number(q.w()).numbers(q.vec()).number(motion.parallax_rad);
+}
+
 }  // namespace
 
 std::string estimates_csv_header() {
@@ -83,7 +101,9 @@ std::string estimates_csv_row(const NavigationEstimate& e) {
   row.deviations(e.pose_covariance).deviations(e.twist_covariance);
   row.word(name_of(e.scale)).number(e.scale_age_s).whole(e.new_keyframe ? 1 : 0);
   row.whole(e.quality.windows).number(e.quality.inlier_ratio).number(e.quality.mean_flow_px);
-  row.number(e.quality.residual_px).number(e.quality.condition).numbers(e.stage_ms);
+  row.number(e.quality.residual_px).number(e.quality.condition);
+  add_reference(row, e.reference);
+  row.numbers(e.stage_ms);
   return std::move(row).line();
 }
 

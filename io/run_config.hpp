@@ -12,24 +12,6 @@
 
 namespace stillkite {
 
-/// Which estimator's motion is the answer.
-enum class Policy { flow };
-template <>
-struct EnumNames<Policy> {
-  static constexpr auto value =
-      std::to_array<std::pair<Policy, std::string_view>>({{Policy::flow, "flow"}});
-};
-
-struct EstimatorConfig {
-  Policy policy = Policy::flow;
-  Mode mode = Mode::recommended;
-
-  static void fields(auto& self, auto&& field) {
-    field("policy", self.policy, "whose motion is the answer");
-    field("mode", self.mode, "the flow paper's own steps, or ours");
-  }
-};
-
 struct OutputConfig {
   bool overlay = false;
 
@@ -67,6 +49,7 @@ struct RunConfig {
           "a(t) of the flow paper: ax, ay, az in the world, m/s^2 [, angular in the body]");
     field("estimator", self.estimator, "how the motion is found");
     field("navigator", self.navigator, "the flow navigator");
+    field("reference", self.navigator.reference, "the reference estimator");
     field("output", self.output, "files beside the estimates");
   }
 };

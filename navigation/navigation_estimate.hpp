@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "estimation/motion_estimate.hpp"
+#include "estimation/relative_pose.hpp"
 #include "estimation/twist.hpp"
 #include "estimation/verdict.hpp"
 #include "geometry/rigid_transform.hpp"
@@ -33,6 +35,18 @@ struct EnumNames<Stage> {
                                                          {Stage::filter, "filter"}});
 };
 
+/// What the reference estimator says of one frame.
+struct ReferenceReport {
+  MotionEstimate motion;       ///< seen from the reference frame at hand
+  Timestamp reference_stamp;   ///< of that frame
+  bool is_home = true;         ///< it is the first one; else only rotation leads further back
+  bool new_reference = false;  ///< this frame is the reference from now on
+  ViewModel model = ViewModel::undecided;
+  int features = 0;        ///< of the reference, found again
+  int inliers = 0;         ///< of them, those that the model explains
+  double residual_px = 0;  ///< robust standard deviation of the inliers from it
+};
+
 /// What one frame tells: the state at its stamp. Without any height (`scale` is none) every metre
 /// below is one initial height over the ground.
 struct NavigationEstimate {
@@ -52,6 +66,7 @@ struct NavigationEstimate {
   double scale_age_s = 0;  ///< since the last reading of that source
   bool new_keyframe = false;
   FlowQuality quality;
+  std::optional<ReferenceReport> reference;    ///< where the reference estimator ran
   std::array<double, kStageCount> stage_ms{};  ///< by Stage
 };
 

@@ -7,14 +7,16 @@
 #include "navigation/frame_interval.hpp"
 #include "navigation/keyframe_navigator.hpp"
 #include "navigation/paper_navigator.hpp"
+#include "navigation/reference_navigator.hpp"
 
 namespace stillkite {
 namespace {
 
-using Method = std::variant<KeyframeNavigator, PaperNavigator>;
+using Method = std::variant<KeyframeNavigator, PaperNavigator, ReferenceNavigator>;
 
 Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
-                   const NavigatorConfig& config, const InitialState& initial, Mode mode) {
+                   const NavigatorConfig& config, const InitialState& initial,
+                   const EstimatorConfig& estimator) {
   const double height_m = (initial.world_from_body * body_from_camera).translation.z();
   if (!(height_m > 0)) {
     throw InputError(fmt::format(
@@ -25,7 +27,11 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
         camera.focal_y_px > 0)) {
     throw InputError("navigator: the camera's size and focal lengths must be positive");
   }
-  if (mode == Mode::paper) return PaperNavigator(camera, body_from_camera, config, initial);
+  if (estimator.policy == Policy::reference) {
+    return ReferenceNavigator(camera, body_from_camera, config, initial, estimator.mode);
+  }
+  if (estimator.mode == Mode::paper)
+    return PaperNavigator(camera, body_from_camera, config, initial);
   return KeyframeNavigator(camera, body_from_camera, config, initial);
 }
 
@@ -48,15 +54,17 @@ struct Navigator::State {
 };
 
 Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camera,
-                     const NavigatorConfig& config, const InitialState& initial, Mode mode)
+                     const NavigatorConfig& config, const InitialState& initial,
+                     const EstimatorConfig& estimator)
     : state_(std::make_unique<State>(
           State{camera, FrameClock(config.trust.max_gap_s),
-                make_method(camera, body_from_camera, config, initial, mode)})) {}
+                make_method(camera, body_from_camera, config, initial, estimator)})) {}
 Navigator::~Navigator() = default;
 Navigator::Navigator(Navigator&&) noexcept = default;
 Navigator& Navigator::operator=(Navigator&&) noexcept = default;
 
-// A frame's journey is that of its method: PaperNavigator::step, or KeyframeNavigator::step.
+// A frame's journey is that of its method: KeyframeNavigator::step, PaperNavigator::step or
+// ReferenceNavigator::step.
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
   check_picture(frame, state_->camera);
   const FrameInterval interval = state_->clock.pass(frame);
@@ -65,7 +73,8 @@ NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& rea
 }
 
 std::vector<WindowFlow> Navigator::windows() const {
-  return std::visit([](const auto& method) { return method.windows(); }, state_->method);
+  return std::visit([](const auto& method) -> std::vector<WindowFlow> { return method.windows(); },
+                    state_->method);
 }
 
 }  // namespace stillkite

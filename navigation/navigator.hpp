@@ -12,13 +12,13 @@
 
 namespace stillkite {
 
-/// The flow navigator: a frame in, the drone's motion out. One object a flight.
+/// A frame in, the drone's motion out, by the estimator that is chosen. One object a flight.
 class Navigator {
  public:
   /// Throws InputError on a camera, start or config that cannot work.
   Navigator(const Camera& camera, const RigidTransform& body_from_camera,
             const NavigatorConfig& config, const InitialState& initial,
-            Mode mode = Mode::recommended);
+            const EstimatorConfig& estimator = {});
   ~Navigator();
   Navigator(Navigator&&) noexcept;
   Navigator& operator=(Navigator&&) noexcept;

@@ -5,15 +5,34 @@
 #include "estimation/plane_alignment.hpp"
 #include "geometry/fields.hpp"
 #include "navigation/paper_config.hpp"
+#include "navigation/reference_config.hpp"
 
 namespace stillkite {
 
-/// How the motion is found: as in the flow paper, or by what we recommend beyond it.
+/// How the motion is found: as in the papers, or by what we recommend beyond them.
 enum class Mode { paper, recommended };
 template <>
 struct EnumNames<Mode> {
   static constexpr auto value = std::to_array<std::pair<Mode, std::string_view>>(
       {{Mode::paper, "paper"}, {Mode::recommended, "recommended"}});
+};
+
+/// Which estimator's motion is the answer.
+enum class Policy { flow, reference };
+template <>
+struct EnumNames<Policy> {
+  static constexpr auto value = std::to_array<std::pair<Policy, std::string_view>>(
+      {{Policy::flow, "flow"}, {Policy::reference, "reference"}});
+};
+
+struct EstimatorConfig {
+  Policy policy = Policy::flow;
+  Mode mode = Mode::recommended;
+
+  static void fields(auto& self, auto&& field) {
+    field("policy", self.policy, "whose motion is the answer");
+    field("mode", self.mode, "the papers' own steps, or ours");
+  }
 };
 
 struct KeyframeConfig {
@@ -85,8 +104,8 @@ struct SensorConfig {
   }
 };
 
-/// Everything the flow navigator can be told. `readout_s` to `filter` are the recommended mode's,
-/// `paper` is the paper's.
+/// Everything a navigator can be told. `readout_s` to `filter` are the recommended mode's, `paper`
+/// is the flow paper's. The reference estimator's keys are listed beside these, not among them.
 struct NavigatorConfig {
   double readout_s = 0;
   double initial_tilt_sigma_rad = 0.0175;
@@ -97,6 +116,7 @@ struct NavigatorConfig {
   PaperConfig paper;
   SensorConfig sensors;
   TrustConfig trust;
+  ReferenceConfig reference;
 
   static void fields(auto& self, auto&& field) {
     field("readout_s", self.readout_s, Range{0, 0.1},

@@ -23,10 +23,10 @@ const RigidTransform kNadir{.rotation = Eigen::Quaterniond(0, 1, 0, 0)};
 
 TEST(Evaluate, of_the_truth_is_without_error) {
   const Truth truth = straight_flight();
-  const Evaluation result = evaluate(motion_estimates(truth.poses), truth);
+  const Evaluation result = evaluate(judged_motions(truth.poses), truth);
   EXPECT_EQ(result.matched, kFrames);
   EXPECT_NEAR(result.path_length_m, 100, 1e-9);
-  EXPECT_EQ(result.trajectory->position_rmse_m, 0);
+  EXPECT_EQ(result.trajectory->position->rmse_m, 0);
   EXPECT_EQ(*result.drift_percent, 0);
   EXPECT_EQ(result.velocity->samples, kFrames - 1);
   EXPECT_EQ(result.velocity->rmse.norm(), 0);
@@ -41,10 +41,10 @@ TEST(Evaluate, gives_the_drift_as_a_share_of_the_path) {
     pose.world_from_body.translation.y() += 0.003 * pose.world_from_body.translation.x();
     pose.world_from_body.translation.z() += 0.004 * pose.world_from_body.translation.x();
   }
-  const Evaluation result = evaluate(motion_estimates(poses), truth);
+  const Evaluation result = evaluate(judged_motions(poses), truth);
   EXPECT_NEAR(*result.drift_percent, 0.5, 1e-9);
-  EXPECT_NEAR(result.trajectory->end_error_horizontal_m, 0.3, 1e-9);
-  EXPECT_NEAR(result.trajectory->end_error_vertical_m, 0.4, 1e-9);
+  EXPECT_NEAR(result.trajectory->position->end_horizontal_m, 0.3, 1e-9);
+  EXPECT_NEAR(result.trajectory->position->end_vertical_m, 0.4, 1e-9);
   EXPECT_NEAR(result.velocity->rmse.y(), 0.03, 1e-9);
   EXPECT_NEAR(result.per_tenth->translation_rmse_m, 0.05, 1e-9);
 }
@@ -52,8 +52,8 @@ TEST(Evaluate, gives_the_drift_as_a_share_of_the_path) {
 // Down-looking camera: x stays, y and z turn round. Estimated 0.2 m/s too fast along x.
 TEST(Evaluate, compares_velocities_in_the_camera) {
   const Truth truth = straight_flight();
-  std::vector<MotionEstimate> estimates = motion_estimates(truth.poses);
-  for (MotionEstimate& estimate : estimates) {
+  std::vector<JudgedMotion> estimates = judged_motions(truth.poses);
+  for (JudgedMotion& estimate : estimates) {
     estimate.twist_in_camera = Twist{.velocity_m_s = {10.2, 0, 0}};
   }
   const Evaluation result = evaluate(estimates, truth, {.body_from_camera = kNadir});
@@ -65,7 +65,7 @@ TEST(Evaluate, compares_velocities_in_the_camera) {
 
 TEST(Evaluate, prefers_the_truth_s_own_velocities) {
   Truth truth = straight_flight();
-  std::vector<MotionEstimate> estimates = motion_estimates(truth.poses);
+  std::vector<JudgedMotion> estimates = judged_motions(truth.poses);
   for (std::size_t i = 1; i < truth.poses.size(); ++i) {
     const double v = std::sin(0.3 * static_cast<double>(i));
     truth.twists_in_camera.push_back({truth.poses[i].stamp, {.velocity_m_s = {v, 0, 0}}});
@@ -78,7 +78,7 @@ TEST(Evaluate, prefers_the_truth_s_own_velocities) {
 
 TEST(Evaluate, does_not_difference_across_a_gap) {
   Truth truth = straight_flight();
-  const auto estimates = motion_estimates(truth.poses);
+  const auto estimates = judged_motions(truth.poses);
   truth.poses.erase(truth.poses.begin() + 50);
   const Evaluation result = evaluate(estimates, truth);
   EXPECT_EQ(result.matched, kFrames - 1);
@@ -87,8 +87,8 @@ TEST(Evaluate, does_not_difference_across_a_gap) {
 
 TEST(Evaluate, tells_whether_covariances_are_honest) {
   const Truth truth = straight_flight();
-  std::vector<MotionEstimate> estimates = motion_estimates(truth.poses);
-  for (MotionEstimate& estimate : estimates) {
+  std::vector<JudgedMotion> estimates = judged_motions(truth.poses);
+  for (JudgedMotion& estimate : estimates) {
     estimate.world_from_body.translation += Eigen::Vector3d(0.1, 0.1, 0.1);
     estimate.world_from_body.rotation = so3_exp({0, 0, 0.02});
     estimate.pose_covariance = 0.01 * Matrix6d::Identity();
@@ -104,7 +104,7 @@ TEST(Evaluate, tells_whether_covariances_are_honest) {
 
 TEST(Evaluate, scales_velocities_with_sim3) {
   Truth truth;
-  std::vector<MotionEstimate> estimates;
+  std::vector<JudgedMotion> estimates;
   for (int i = 0; i < 60; ++i) {
     const double s = 0.1 * i;
     const RigidTransform pose{.translation = {std::cos(s), std::sin(s), 2 + 0.1 * s}};
@@ -115,12 +115,12 @@ TEST(Evaluate, scales_velocities_with_sim3) {
   }
   const Evaluation result = evaluate(estimates, truth, {.alignment = Alignment::sim3});
   EXPECT_NEAR(result.alignment->scale, 2, 1e-9);
-  EXPECT_NEAR(result.trajectory->position_rmse_m, 0, 1e-9);
+  EXPECT_NEAR(result.trajectory->position->rmse_m, 0, 1e-9);
   EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
 }
 
 TEST(Evaluate, without_common_stamps_knows_nothing) {
-  const Evaluation result = evaluate(motion_estimates(straight_flight().poses), {});
+  const Evaluation result = evaluate(judged_motions(straight_flight().poses), {});
   EXPECT_EQ(result.matched, 0);
   EXPECT_FALSE(result.alignment);
   EXPECT_FALSE(result.trajectory);
@@ -131,7 +131,7 @@ TEST(Evaluate, without_common_stamps_knows_nothing) {
 TEST(MotionEstimates, leave_out_the_first_frame_s_velocity) {
   const std::vector<NavigationEstimate> estimates{{.verdict = Verdict::first_frame},
                                                   {.verdict = Verdict::frozen}};
-  const auto motions = motion_estimates(estimates);
+  const auto motions = judged_motions(estimates);
   EXPECT_FALSE(motions[0].twist_in_camera);
   EXPECT_TRUE(motions[1].twist_in_camera);
 }

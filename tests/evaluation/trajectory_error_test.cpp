@@ -27,10 +27,10 @@ TEST(TrajectoryError, of_a_constant_offset_is_that_offset) {
   for (PosePair& pair : pairs) pair.estimate.translation += Eigen::Vector3d(3, 4, -12);
   const auto error = trajectory_error(pairs);
   ASSERT_TRUE(error);
-  EXPECT_NEAR(error->position_rmse_m, 13, 1e-12);
-  EXPECT_NEAR(error->position_max_m, 13, 1e-12);
-  EXPECT_NEAR(error->end_error_horizontal_m, 5, 1e-12);
-  EXPECT_NEAR(error->end_error_vertical_m, 12, 1e-12);
+  EXPECT_NEAR(error->position->rmse_m, 13, 1e-12);
+  EXPECT_NEAR(error->position->max_m, 13, 1e-12);
+  EXPECT_NEAR(error->position->end_horizontal_m, 5, 1e-12);
+  EXPECT_NEAR(error->position->end_vertical_m, 12, 1e-12);
   EXPECT_NEAR(error->tilt_rmse_rad, 0, 1e-12);
   EXPECT_NEAR(error->yaw_rmse_rad, 0, 1e-12);
 }
@@ -39,7 +39,7 @@ TEST(TrajectoryError, of_a_constant_offset_is_that_offset) {
 TEST(TrajectoryError, of_an_error_that_grows_evenly) {
   auto pairs = straight_pairs();
   for (int i = 0; i <= 100; ++i) pairs[i].estimate.translation.y() += 0.01 * i;
-  EXPECT_NEAR(trajectory_error(pairs)->position_rmse_m, std::sqrt(100.0 * 201 / 6e4), 1e-12);
+  EXPECT_NEAR(trajectory_error(pairs)->position->rmse_m, std::sqrt(100.0 * 201 / 6e4), 1e-12);
 }
 
 TEST(TrajectoryError, tells_tilt_from_yaw) {

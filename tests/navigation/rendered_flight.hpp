@@ -19,7 +19,7 @@ struct RenderedFlight {
   [[nodiscard]] InitialState start() const { return {truth(0), ScaleSource::initial_height}; }
   [[nodiscard]] Navigator navigator(const NavigatorConfig& config = {},
                                     Mode mode = Mode::recommended) const {
-    return {record.camera, record.body_from_camera, config, start(), mode};
+    return {record.camera, record.body_from_camera, config, start(), {.mode = mode}};
   }
 };
 

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <variant>
+
+#include "navigation/reference_config.hpp"
+
+namespace stillkite {
+
+/// The features of a reference frame, found again in later ones.
+class FeatureAssociation {
+ public:
+  explicit FeatureAssociation(const ReferenceConfig& config);
+
+  /// False, and the former reference stays, where the picture has fewer features than that.
+  [[nodiscard]] bool set_reference(const cv::Mat& grey, int min_features);
+  /// The answer holds until the next call.
+  [[nodiscard]] const FeatureTracks& find(const cv::Mat& grey);
+
+ private:
+  DetectorConfig detector_;
+  std::variant<FeatureTracker, OpenCvFeatureTracker, FeatureMatcher> method_;
+  FeatureTracks matched_;
+};
+
+}  // namespace stillkite

@@ -1,0 +1,61 @@
+#include "navigation/feature_bearings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillkite {
+
+FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks) {
+  FeatureBearings bearings;
+  bearings.pairs.reserve(tracks.found.size());
+  for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+    if (tracks.found[i] == 0) continue;
+    const auto reference = undistort(camera, tracks.reference_px[i].cast<double>());
+    const auto current = undistort(camera, tracks.current_px[i].cast<double>());
+    if (!reference || !current) continue;
+    bearings.pairs.push_back({*reference, *current});
+    bearings.feature_of_pair.push_back(i);
+  }
+  return bearings;
+}
+
+double mean_shift_px(const FeatureTracks& tracks) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+    if (tracks.found[i] == 0) continue;
+    sum += (tracks.current_px[i] - tracks.reference_px[i]).norm();
+    ++count;
+  }
+  return count == 0 ? 0 : sum / count;
+}
+
+double parallax_rad(const std::vector<BearingPair>& pairs, const RelativePoseEstimate& estimate) {
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < pairs.size() && i < estimate.inliers.size(); ++i) {
+    if (estimate.inliers[i] == 0) continue;
+    const Eigen::Vector3d turned =
+        estimate.pose.current_from_reference * pairs[i].reference.homogeneous();
+    const Eigen::Vector3d seen = pairs[i].current.homogeneous();
+    angles.push_back(std::atan2(turned.cross(seen).norm(), turned.dot(seen)));
+  }
+  if (angles.empty()) return 0;
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::nth_element(angles.begin(), middle, angles.end());
+  return *middle;
+}
+
+std::vector<WindowFlow> drawn_features(const FeatureTracks& tracks, const FeatureBearings& bearings,
+                                       const RelativePoseEstimate& estimate) {
+  std::vector<WindowFlow> drawn;
+  for (std::size_t i = 0; i < bearings.pairs.size(); ++i) {
+    const std::size_t feature = bearings.feature_of_pair[i];
+    const bool is_inlier = i < estimate.inliers.size() && estimate.inliers[i] != 0;
+    drawn.push_back({.centre_px = tracks.current_px[feature],
+                     .flow_px = tracks.current_px[feature] - tracks.reference_px[feature],
+                     .weight = is_inlier ? 1.0F : 0.0F});
+  }
+  return drawn;
+}
+
+}  // namespace stillkite

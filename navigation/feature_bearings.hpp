@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "estimation/relative_pose.hpp"
+#include "flow/feature_tracker.hpp"
+#include "geometry/camera.hpp"
+#include "navigation/window_flow.hpp"
+
+namespace stillkite {
+
+/// The features that were found, undistorted. `feature_of_pair[i]` is pair i's place in the tracks.
+struct FeatureBearings {
+  std::vector<BearingPair> pairs;
+  std::vector<std::size_t> feature_of_pair;
+};
+[[nodiscard]] FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks);
+
+/// Mean length of the found features' way from the reference to now, in the picture.
+[[nodiscard]] double mean_shift_px(const FeatureTracks& tracks);
+
+/// Median angle between the bearings of the inliers, the camera's rotation undone; 0 without any.
+[[nodiscard]] double parallax_rad(const std::vector<BearingPair>& pairs,
+                                  const RelativePoseEstimate& estimate);
+
+/// The features' ways from the reference, to be drawn; outliers weigh nothing.
+[[nodiscard]] std::vector<WindowFlow> drawn_features(const FeatureTracks& tracks,
+                                                     const FeatureBearings& bearings,
+                                                     const RelativePoseEstimate& estimate);
+
+}  // namespace stillkite

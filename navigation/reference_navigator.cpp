@@ -1,0 +1,213 @@
+#include "navigation/reference_navigator.hpp"
+
+#include "estimation/relative_pose_estimator.hpp"
+#include "geometry/angle.hpp"
+#include "navigation/assumptions.hpp"
+#include "navigation/stop_watch.hpp"
+
+namespace stillkite {
+namespace {
+
+// What a loss leaves of the attitude: the camera turns on while nobody looks.
+constexpr double kLossSigma_rad = 5 * kDegree;
+constexpr int kFewestFeatures = 8;
+
+// The camera's origin seen from the reference, -R^T t, with its covariance: an error e of the
+// rotation (R = exp(e) R_true) and one of t move it by -R^T (e_t + [t]x e).
+void set_displacement(const RelativePoseEstimate& pose, MotionEstimate& motion) {
+  const Eigen::Matrix3d R = pose.pose.current_from_reference.toRotationMatrix();
+  Eigen::Matrix<double, 3, 6> J;
+  J << -R.transpose() * skew(pose.pose.direction), -R.transpose();
+  motion.displacement_in_reference = -(R.transpose() * pose.pose.direction);
+  motion.displacement_covariance = J * pose.covariance * J.transpose();
+}
+
+MotionEstimate motion_from(const RelativePoseEstimate& pose) {
+  MotionEstimate motion;
+  const Eigen::Quaterniond reference_from_camera = pose.pose.current_from_reference.conjugate();
+  const Eigen::Matrix3d R = reference_from_camera.toRotationMatrix();
+  motion.source = EstimateSource::reference;
+  motion.status = EstimateStatus::ok;
+  motion.reference_from_camera = reference_from_camera;
+  motion.rotation_covariance = R * pose.covariance.topLeftCorner<3, 3>() * R.transpose();
+  const bool has_direction = !pose.pose.direction.isZero();
+  motion.displacement_kind = has_direction ? DisplacementKind::direction : DisplacementKind::zero;
+  if (has_direction) set_displacement(pose, motion);
+  return motion;
+}
+
+EstimateStatus status_of(Verdict verdict) {
+  if (verdict == Verdict::ok || verdict == Verdict::first_frame) return EstimateStatus::ok;
+  return verdict == Verdict::gated ? EstimateStatus::gated : EstimateStatus::lost;
+}
+
+}  // namespace
+
+ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransform& body_from_camera,
+                                       const NavigatorConfig& config, const InitialState& initial,
+                                       Mode mode)
+    : camera_(camera),
+      body_from_camera_(body_from_camera),
+      config_(config.reference),
+      start_(initial.world_from_body * body_from_camera),
+      mode_(mode),
+      association_(config.reference),
+      gate_(config.reference.gate) {
+  const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
+  current_.world_from_camera = start_.rotation;
+  current_.covariance =
+      Eigen::Vector3d(tilt_variance, tilt_variance, kExact).asDiagonal().toDenseMatrix();
+}
+
+NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInterval& interval,
+                                            const SensorReadings& /*readings*/) {
+  StopWatch watch;
+  windows_.clear();
+  twist_.reset();
+  report_ = {.reference_stamp = reference_.stamp, .is_home = is_home_};
+  // 1. The first frame is the one to hold. Nothing is learnt of a frozen picture, or out of turn.
+  if (interval.spoiled == Verdict::first_frame) return start(frame);
+  const bool is_useless = interval.spoiled && !interval.is_late;
+  if (is_useless || (!has_reference_ && !take_reference(frame))) {
+    return answer(frame, is_useless ? *interval.spoiled : Verdict::too_little_texture);
+  }
+  // 2. Where the reference's features are in this frame; the lost ones are dropped.
+  const FeatureTracks& tracks = association_.find(frame.grey);
+  const double flow_ms = watch.lap_ms();
+  // 3. Undistorted, they tell how the camera has turned and which way it has gone.
+  const FeatureBearings bearings = feature_bearings(camera_, tracks);
+  const RelativePoseEstimate pose = estimate(bearings.pairs);
+  // 4. Is it to be trusted? A rotation that changes too fast is not, three times.
+  const Verdict verdict = judge(pose, tracks.found_count);
+  report(tracks, bearings, pose, verdict);
+  if (verdict == Verdict::ok) turn(pose, frame.stamp);
+  const double solve_ms = watch.lap_ms();
+  // 5. Too few features left, or the time has come: this frame is the new reference.
+  renew_reference(frame, tracks.found_count, verdict);
+  NavigationEstimate out = answer(frame, verdict);
+  out.stage_ms = {0, flow_ms, solve_ms, watch.lap_ms()};
+  return out;
+}
+
+NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
+  start_stamp_ = current_.stamp = frame.stamp;
+  report_.new_reference = take_reference(frame);
+  report_.reference_stamp = frame.stamp;
+  return answer(frame, has_reference_ ? Verdict::first_frame : Verdict::too_little_texture);
+}
+
+RelativePoseEstimate ReferenceNavigator::estimate(const std::vector<BearingPair>& pairs) {
+  if (config_.solver == PoseSolver::opencv) {
+    return estimate_relative_pose_opencv(pairs, camera_.focal_x_px, config_.opencv_pose);
+  }
+  return estimate_relative_pose(
+      pairs, camera_.focal_x_px, config_.pose,
+      {.prior = last_pose_,
+       .up_in_reference = reference_.world_from_camera.conjugate() * Eigen::Vector3d::UnitZ()});
+}
+
+Verdict ReferenceNavigator::judge(const RelativePoseEstimate& pose, int features) {
+  if (features < kFewestFeatures) return Verdict::lost;
+  if (pose.model == ViewModel::undecided) return Verdict::too_few_inliers;
+  return gate_.accepts(pose.pose.current_from_reference) ? Verdict::ok : Verdict::gated;
+}
+
+void ReferenceNavigator::report(const FeatureTracks& tracks, const FeatureBearings& bearings,
+                                const RelativePoseEstimate& pose, Verdict verdict) {
+  report_.model = pose.model;
+  report_.features = tracks.found_count;
+  report_.inliers = pose.inlier_count;
+  report_.residual_px = pose.residual * camera_.focal_x_px;
+  if (verdict == Verdict::ok || verdict == Verdict::gated) report_.motion = motion_from(pose);
+  report_.motion.mean_shift_px = mean_shift_px(tracks);
+  report_.motion.parallax_rad = parallax_rad(bearings.pairs, pose);
+  windows_ = drawn_features(tracks, bearings, pose);
+}
+
+void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
+  const Eigen::Quaterniond reference_from_camera = pose.pose.current_from_reference.conjugate();
+  Attitude next{.stamp = now,
+                .world_from_camera = reference_.world_from_camera * reference_from_camera,
+                .covariance = Eigen::Matrix3d::Zero(),
+                .covariance_from_reference = pose.covariance.topLeftCorner<3, 3>()};
+  const Eigen::Matrix3d R = next.world_from_camera.toRotationMatrix();
+  next.covariance = reference_.covariance + R * next.covariance_from_reference * R.transpose();
+
+  const double dt_s = seconds_between(current_.stamp, now);
+  const Eigen::Quaterniond turned = current_.world_from_camera.conjugate() * next.world_from_camera;
+  twist_ = Twist{.angular_rate_rad_s = so3_log(turned) / dt_s};
+  rate_covariance_ =
+      (current_.covariance_from_reference + next.covariance_from_reference) / (dt_s * dt_s);
+  current_ = next;
+  last_pose_ = pose.pose;
+}
+
+void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdict verdict) {
+  ++frames_since_reference_;
+  const bool measured = verdict == Verdict::ok;
+  const bool is_thin = features < config_.min_features;
+  failures_ = is_thin && !measured ? failures_ + 1 : 0;
+  const bool is_time = config_.renew_every_frames > 0 && measured &&
+                       frames_since_reference_ >= config_.renew_every_frames;
+  // features that left with the answer still good make way at once; those merely hidden come back
+  const bool is_due = is_time || (is_thin && measured) || failures_ > config_.patience_frames;
+  if (!is_due) return;
+  if (!measured) {
+    current_.stamp = frame.stamp;
+    current_.covariance.diagonal().array() += kLossSigma_rad * kLossSigma_rad;
+  }
+  report_.new_reference = take_reference(frame);
+}
+
+// A picture without features would be held to for ever: what there is stays until a better comes.
+bool ReferenceNavigator::take_reference(const Frame& frame) {
+  if (!association_.set_reference(frame.grey, config_.min_features)) return false;
+  is_home_ = !has_reference_ || mode_ == Mode::paper;
+  if (has_reference_ && mode_ == Mode::paper) current_.world_from_camera = start_.rotation;
+  has_reference_ = true;
+  current_.covariance_from_reference.setZero();
+  reference_ = current_;
+  reference_.stamp = frame.stamp;
+  last_pose_.reset();
+  gate_.reset();
+  frames_since_reference_ = failures_ = 0;
+  return true;
+}
+
+NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdict) const {
+  NavigationEstimate out;
+  out.stamp = frame.stamp;
+  out.frame_index = frame.index;
+  out.verdict = verdict;
+  out.world_from_body =
+      RigidTransform{current_.world_from_camera, start_.translation} * body_from_camera_.inverse();
+  // nothing measures lengths: by now the camera may be anywhere that its speed allows
+  const double speed = kAnySpeed_heights_s * start_.translation.z();
+  const double way = speed * seconds_between(start_stamp_, frame.stamp);
+  const double unseen_s = seconds_between(current_.stamp, frame.stamp);
+  const double turned_rad = kAnyRate_rad_s * unseen_s;
+  out.pose_covariance.diagonal().head<3>().setConstant(way * way + kExact);
+  out.pose_covariance.bottomRightCorner<3, 3>() = current_.covariance;
+  out.pose_covariance.diagonal().tail<3>().array() += turned_rad * turned_rad;
+  out.twist_covariance.diagonal().head<3>().setConstant(speed * speed);
+  out.twist_covariance.diagonal().tail<3>().setConstant(kAnyRate_rad_s * kAnyRate_rad_s);
+  if (twist_) {
+    out.twist_in_camera = *twist_;
+    out.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
+  }
+  out.quality = {.windows = report_.features,
+                 .inlier_ratio = report_.features > 0
+                                     ? static_cast<double>(report_.inliers) / report_.features
+                                     : 0,
+                 .mean_flow_px = report_.motion.mean_shift_px,
+                 .residual_px = report_.residual_px};
+  out.new_keyframe = report_.new_reference;
+  out.reference = report_;
+  out.reference->motion.stamp = frame.stamp;
+  out.reference->motion.source = EstimateSource::reference;
+  out.reference->motion.status = status_of(verdict);
+  out.reference->motion.twist_in_camera = twist_;
+  return out;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "estimation/relative_pose.hpp"
+#include "estimation/rotation_gate.hpp"
+#include "geometry/camera.hpp"
+#include "navigation/feature_association.hpp"
+#include "navigation/feature_bearings.hpp"
+#include "navigation/frame_interval.hpp"
+#include "navigation/navigation_estimate.hpp"
+#include "navigation/navigator_config.hpp"
+#include "navigation/sensor_readings.hpp"
+#include "navigation/window_flow.hpp"
+
+namespace stillkite {
+
+/// The reference estimator of the hold paper (section III): every frame is compared with a
+/// remembered one. It tells rotation and the direction of the way from there, no length, no speed.
+class ReferenceNavigator {
+ public:
+  ReferenceNavigator(const Camera& camera, const RigidTransform& body_from_camera,
+                     const NavigatorConfig& config, const InitialState& initial, Mode mode);
+
+  NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
+                          const SensorReadings& readings);
+
+  /// The features of the last frame that its pose explains.
+  [[nodiscard]] const std::vector<WindowFlow>& windows() const { return windows_; }
+
+ private:
+  /// A camera's attitude; covariances of rotation vectors, the first in the world.
+  struct Attitude {
+    Timestamp stamp;
+    Eigen::Quaterniond world_from_camera;
+    Eigen::Matrix3d covariance;
+    Eigen::Matrix3d covariance_from_reference = Eigen::Matrix3d::Zero();  ///< in the camera
+  };
+
+  NavigationEstimate start(const Frame& frame);
+  [[nodiscard]] RelativePoseEstimate estimate(const std::vector<BearingPair>& pairs);
+  [[nodiscard]] Verdict judge(const RelativePoseEstimate& pose, int features);
+  void report(const FeatureTracks& tracks, const FeatureBearings& bearings,
+              const RelativePoseEstimate& pose, Verdict verdict);
+  void turn(const RelativePoseEstimate& pose, Timestamp now);
+  void renew_reference(const Frame& frame, int features, Verdict verdict);
+  bool take_reference(const Frame& frame);
+  [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
+
+  Camera camera_;
+  RigidTransform body_from_camera_;
+  ReferenceConfig config_;
+  RigidTransform start_;  // world from camera
+  Mode mode_;
+  FeatureAssociation association_;
+  RotationGate gate_;
+
+  Attitude reference_, current_;
+  Timestamp start_stamp_;
+  std::optional<RelativePose> last_pose_;  // from the reference at hand
+  std::optional<Twist> twist_;
+  Eigen::Matrix3d rate_covariance_ = Eigen::Matrix3d::Zero();
+  bool has_reference_ = false;
+  bool is_home_ = true;
+  int frames_since_reference_ = 0;
+  int failures_ = 0;  // frames in a row that found too few features
+  ReferenceReport report_;
+  std::vector<WindowFlow> windows_;
+};
+
+}  // namespace stillkite
