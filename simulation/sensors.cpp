@@ -41,13 +41,27 @@ std::optional<double> range_along(const Eigen::Vector3d& origin, const Eigen::Ve
 
 }  // namespace
 
+ImuErrors::ImuErrors(const ImuConfig& config, std::uint64_t seed)
+    : config_(config),
+      random_(seed, 2000),
+      gyro_bias_rad_s_(normal_vector(config.gyro_bias_rad_s, random_)),
+      accel_bias_m_s2_(normal_vector(config.accel_bias_m_s2, random_)) {}
+
+ImuReading ImuErrors::add_to(const ImuReading& exact) {
+  const double root_rate = std::sqrt(config_.rate_hz);
+  const ImuReading reading{exact.stamp,
+                           exact.angular_rate_in_body_rad_s + gyro_bias_rad_s_ +
+                               normal_vector(config_.gyro_noise_density * root_rate, random_),
+                           exact.specific_force_in_body_m_s2 + accel_bias_m_s2_ +
+                               normal_vector(config_.accel_noise_density * root_rate, random_)};
+  gyro_bias_rad_s_ += normal_vector(config_.gyro_bias_walk / root_rate, random_);
+  accel_bias_m_s2_ += normal_vector(config_.accel_bias_walk / root_rate, random_);
+  return reading;
+}
+
 std::vector<ImuReading> simulate_imu(const Trajectory& trajectory, const ImuConfig& config,
                                      double duration_s, std::uint64_t seed) {
-  const Eigen::Vector3d gravity_in_world_m_s2(0, 0, -9.80665);
-  const double root_rate = std::sqrt(config.rate_hz);
-  Random random(seed, 2000);
-  Eigen::Vector3d gyro_bias = normal_vector(config.gyro_bias_rad_s, random);
-  Eigen::Vector3d accel_bias = normal_vector(config.accel_bias_m_s2, random);
+  ImuErrors errors(config, seed);
   std::vector<ImuReading> readings;
   const auto count = static_cast<std::int64_t>(std::floor(duration_s * config.rate_hz + 1e-9)) + 1;
   for (std::int64_t k = 0; k < count; ++k) {
@@ -55,14 +69,9 @@ std::vector<ImuReading> simulate_imu(const Trajectory& trajectory, const ImuConf
     const MotionState state = trajectory.at(t_s);
     const Eigen::Vector3d specific_force =
         state.world_from_body.rotation.conjugate() *
-        (state.acceleration_in_world_m_s2 - gravity_in_world_m_s2);
-    readings.push_back({from_seconds(t_s),
-                        state.angular_rate_in_body_rad_s + gyro_bias +
-                            normal_vector(config.gyro_noise_density * root_rate, random),
-                        specific_force + accel_bias +
-                            normal_vector(config.accel_noise_density * root_rate, random)});
-    gyro_bias += normal_vector(config.gyro_bias_walk / root_rate, random);
-    accel_bias += normal_vector(config.accel_bias_walk / root_rate, random);
+        (state.acceleration_in_world_m_s2 - gravity_in_world_m_s2());
+    readings.push_back(
+        errors.add_to({from_seconds(t_s), state.angular_rate_in_body_rad_s, specific_force}));
   }
   return readings;
 }

@@ -6,6 +6,7 @@
 
 #include "geometry/fields.hpp"
 #include "geometry/time.hpp"
+#include "simulation/random.hpp"
 #include "simulation/relief.hpp"
 #include "simulation/trajectory.hpp"
 
@@ -37,6 +38,25 @@ struct ImuReading {
   Eigen::Vector3d angular_rate_in_body_rad_s;
   Eigen::Vector3d specific_force_in_body_m_s2;
 };
+
+/// Biases that walk randomly, and white noise, of one IMU; readings are to come at its rate.
+class ImuErrors {
+ public:
+  ImuErrors(const ImuConfig& config, std::uint64_t seed);
+
+  [[nodiscard]] ImuReading add_to(const ImuReading& exact);
+
+ private:
+  ImuConfig config_;
+  Random random_;
+  Eigen::Vector3d gyro_bias_rad_s_;
+  Eigen::Vector3d accel_bias_m_s2_;
+};
+
+/// Accelerometers feel its opposite.
+[[nodiscard]] inline Eigen::Vector3d gravity_in_world_m_s2() {
+  return {0, 0, -9.80665};
+}
 
 struct RangeConfig {
   double rate_hz = 20;

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "geometry/time.hpp"
+#include "stabilization/tether.hpp"
+
+namespace stillkite {
+
+/// A measurement is known to the controller from `available` on, and was true at `stamp`.
+struct TetherReading {
+  Timestamp stamp;
+  Timestamp available;
+  TetherState tether;  ///< in the station's frame; of a slack tether the length is no distance
+};
+
+struct AttitudeReading {
+  Timestamp stamp;
+  Timestamp available;
+  Eigen::Quaterniond world_from_body;  ///< its yaw drifts
+  Eigen::Vector3d angular_rate_in_body_rad_s;
+  Eigen::Vector3d specific_force_in_body_m_s2;
+};
+
+/// What the sensors measured at an instant; empty where none was due.
+struct HoverReadings {
+  std::vector<TetherReading> tether;
+  std::vector<AttitudeReading> attitude;
+};
+
+}  // namespace stillkite

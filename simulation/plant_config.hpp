@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+
+#include "simulation/hover_sensors.hpp"
+#include "simulation/simulation_config.hpp"
+#include "simulation/station_path.hpp"
+#include "simulation/tethered_drone.hpp"
+#include "simulation/wind.hpp"
+#include "simulation/yaw_kicks.hpp"
+
+namespace stillkite {
+
+/// A wide-angle action camera's stream of 800x480, tilted down by 15 degrees from straight ahead.
+[[nodiscard]] inline SimulatedCameraConfig hover_camera() {
+  return {.frames_per_s = 30,
+          .width_px = 800,
+          .height_px = 480,
+          .focal_x_px = 480,
+          .focal_y_px = 480,
+          .centre_x_px = 399.5,
+          .centre_y_px = 239.5,
+          .distortion = DistortionModel::radial_tangential,
+          .coefficients = {-0.28, 0.07, 2e-4, -1e-4},
+          .forward_tilt_deg = 75,
+          .shutter_s = 0.008};
+}
+
+/// Everything about a trial's world but its scene and the controller: figures mean something only
+/// beside these.
+struct PlantConfig {
+  TetheredDroneConfig drone{};
+  SimulatedCameraConfig camera = hover_camera();
+  double camera_latency_s = 0.1;
+  HoverSensorConfig sensors{};
+  StationPathConfig station{};
+  WindConfig wind{};
+  std::optional<YawKickConfig> yaw_kicks{};
+
+  static void fields(auto& self, auto&& field) {
+    field("drone", self.drone, "tether, limits, lag and what wind does");
+    field("camera", self.camera, "lens, sensor and the gimbal's tilt");
+    field("camera_latency_s", self.camera_latency_s, kNotNegative,
+          "from a frame's exposure to its arrival at the estimator");
+    field("sensors", self.sensors, "what the controller learns beside pictures");
+    field("station", self.station, "the way of the ground station");
+    field("wind", self.wind, "mean and gusts");
+    field("yaw_kicks", self.yaw_kicks, "what turns the drone; null: nothing");
+  }
+};
+
+}  // namespace stillkite
