@@ -46,15 +46,15 @@ struct PaperHoldConfig {
 };
 
 struct RecommendedHoldConfig {
-  PidConfig position{.proportional = 2.63,
-                     .integral = 1.0,
+  PidConfig position{.proportional = 4.4,
+                     .integral = 2.25,
                      .dead_band = 0.02,
                      .integral_limit = 0.35,
-                     .output_limit = 1.0};
+                     .output_limit = 10.0};
   PidConfig yaw{.proportional = 1.5, .dead_band = 1 * kDegree, .output_limit = 0.4};
   double max_yaw_rad = 20 * kDegree;
   double nominal_depth_m = 4.0;
-  double max_displacement_m = 5.0;
+  double max_displacement_m = 0.5;
   bool predict = true;
   double lag_s = 0.5;
   double damped_within_m = 0.5;

@@ -266,6 +266,7 @@ TEST(HoldController, UnknownLengthIsNominalDepthTimesParallax) {
 TEST(HoldController, ZeroDisplacementKeepsTheLearnedDriftOnly) {
   HoldConfig config;
   config.recommended.predict = false;
+  config.recommended.position.integral = 1;
   HoldController controller(config);
   HoldInput input = input_of({.tether = Tether::zenith});
   input.tether->tether = {5, 1, 0.3};
@@ -279,7 +280,7 @@ TEST(HoldController, ZeroDisplacementKeepsTheLearnedDriftOnly) {
   };
   (void)at(0, {0.05, 0, 0});
   for (int k = 1; k <= 100; ++k) (void)at(0.01 * k, {0.05, 0, 0});
-  // integral 1 /s of what is beyond the dead band of 2 cm, over a second
+  // the integral of what is beyond the dead band of 2 cm, over a second
   const Vector3d drift = at(1.01, Vector3d::Zero());
   EXPECT_NEAR(drift.x(), 0.03, 1e-6);
   EXPECT_LT(drift.tail<2>().norm(), 1e-9);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <deque>
 #include <functional>
 #include <numbers>
@@ -39,7 +40,8 @@ struct Outcome {
   double max_m = 0;
   double mean_m = 0;
   double final_m = 0;
-  double settled_s = 0;  // the last time that the yaw was beyond 3 degrees
+  double overshoot_m = 0;  // beyond home, against the station's motion
+  double settled_s = 0;    // the last time that the yaw was beyond 3 degrees
   TetherState tether;
 };
 
@@ -47,6 +49,13 @@ struct Outcome {
 double out_and_back_m_s(double t_s) {
   if (t_s < 10) return 0.2;
   return t_s < 20 ? -0.2 : 0.0;
+}
+
+// The same with turns of 0.2 m/s^2.
+double gently_out_and_back_m_s(double t_s) {
+  if (t_s < 9) return std::min(0.2, 0.2 * t_s);
+  if (t_s < 18) return std::max(-0.2, 0.2 * (10 - t_s));
+  return std::min(0.0, 0.2 * (t_s - 19));
 }
 
 struct LaggedAxis {
@@ -110,6 +119,7 @@ Outcome fly(const Loop& loop) {
     out.max_m = std::max(out.max_m, displacement.norm());
     sum += displacement.norm();
     out.final_m = displacement.norm();
+    out.overshoot_m = std::max(out.overshoot_m, -displacement.dot(loop.station_axis));
     if (std::abs(yaw.value) > 3 * kDegree) out.settled_s = t_s;
     out.tether = tether;
   }
@@ -135,21 +145,29 @@ void print(const char* name, const Outcome& o) {
 }
 
 TEST(HoldLoop, RecommendedHoldsAgainstAMovingStation) {
-  const Outcome metric = fly(recommended());
-  print("recommended, metric", metric);
   Loop loop = recommended();
+  const Outcome metric = fly(loop);
+  print("recommended, metric", metric);
+  EXPECT_LT(metric.max_m, 0.28);
+  EXPECT_LT(metric.mean_m, 0.08);
   loop.kind = DisplacementKind::direction;
   const Outcome direction = fly(loop);
   print("recommended, direction", direction);
-  EXPECT_LT(metric.max_m, 0.25);
-  EXPECT_LT(direction.max_m, 0.25);
+  EXPECT_LT(direction.max_m, 0.28);
+  loop.station_speed_m_s = gently_out_and_back_m_s;
+  const Outcome gentle = fly(loop);
+  print("recommended, turns of 0.2 m/s^2", gentle);
+  EXPECT_LT(gentle.max_m, 0.25);
 }
 
 TEST(HoldLoop, PaperHoldsMoreLoosely) {
-  const Outcome paper = fly(as_in_paper());
+  Loop loop = as_in_paper();
+  const Outcome paper = fly(loop);
   print("paper, 206 ms", paper);
-  EXPECT_LT(paper.max_m, 0.6);
-  EXPECT_GT(paper.max_m, fly(recommended()).max_m);
+  EXPECT_LT(paper.max_m, 0.35);
+  EXPECT_GT(paper.mean_m, 2 * fly(recommended()).mean_m);
+  loop.station_speed_m_s = gently_out_and_back_m_s;
+  print("paper, turns of 0.2 m/s^2", fly(loop));
 }
 
 TEST(HoldLoop, WithoutControlTheDroneFollowsItsStation) {
@@ -163,11 +181,11 @@ TEST(HoldLoop, EveryAxisOfTheStation) {
   loop.station_axis = Vector3d::UnitZ();
   const Outcome up = fly(loop);
   print("recommended, up", up);
-  EXPECT_LT(up.max_m, 0.25);
+  EXPECT_LT(up.max_m, 0.55);  // the tether's 0.3 m/s leave 0.1 to catch up with
   loop.station_axis = Vector3d::UnitY();
   const Outcome across = fly(loop);
   print("recommended, across the azimuth", across);
-  EXPECT_LT(across.max_m, 1.5);
+  EXPECT_LT(across.max_m, 0.8);  // the azimuth takes 8 s for a quarter turn
   EXPECT_LT(across.final_m, 0.05);
   loop = as_in_paper();
   loop.station_axis = Vector3d::UnitY();
@@ -179,7 +197,7 @@ TEST(HoldLoop, StaysStableWhereTheModelIsWrong) {
     const Outcome o = fly(loop);
     print(name, o);
     EXPECT_LT(o.max_m, 0.5) << name;
-    EXPECT_LT(o.final_m, 0.06) << name;
+    EXPECT_LT(o.final_m, 0.1) << name;
   };
   for (const double scale : {0.5, 2.0}) {
     Loop loop = recommended();
@@ -200,14 +218,24 @@ TEST(HoldLoop, StaysStableWhereTheModelIsWrong) {
   check("latency 0.25 s", loop);
 }
 
+TEST(HoldLoop, AStationThatOutrunsTheDroneLeavesNoWindup) {
+  Loop loop = recommended();
+  loop.station_axis = Vector3d::UnitZ();
+  loop.start.length_m = 10;
+  loop.station_speed_m_s = [](double t_s) { return t_s < 10 ? 0.5 : 0.0; };
+  const Outcome o = fly(loop);
+  std::printf("after 10 s at 0.2 m/s too fast: from %.2f m, overshoot %.3f m\n", o.max_m,
+              o.overshoot_m);
+  EXPECT_GT(o.max_m, 2);
+  EXPECT_LT(o.overshoot_m, 0.1);
+}
+
 TEST(HoldLoop, StationStillDroneStill) {
   Loop loop = recommended();
   loop.station_speed_m_s = [](double) { return 0.0; };
   EXPECT_EQ(fly(loop).max_m, 0);
 }
 
-// Two poles at -1 /s, the drone's lag and the predictor's exact cancellation: after a start away
-// from home the predicted error is (1 - (1 - K0) t) exp(-t), and so small after 15 s.
 TEST(HoldLoop, YawComesBackFromTwentyDegreesWithinFiveSeconds) {
   for (const double yaw_rad : {20 * kDegree, -20 * kDegree, 60 * kDegree}) {
     Loop loop{.yaw_rad = yaw_rad, .duration_s = 10};
