@@ -81,15 +81,17 @@ LevelMotion predicted_change(const RecommendedHoldConfig& config, const HoldInpu
   return drift * age_s - own.way_since(input.estimate->stamp) + config.lag_s * (drift - own.rate());
 }
 
-// The integral does not grow towards what the vehicle cannot follow.
-void stop_windup(const Vector3d& deficit, const HoldAxes& before, HoldAxes& axes) {
+// The axes after a step, their integrals grown but not towards what the vehicle cannot follow.
+HoldAxes without_windup(const HoldAxes& before, const HoldAxes& after, const Vector3d& deficit) {
+  HoldAxes axes = after;
   const double length = deficit.norm();
-  if (!(length > 1e-9)) return;
+  if (!(length > 1e-9)) return axes;
   const Vector3d towards = deficit / length;
   Vector3d growth;
-  for (int i = 0; i < 3; ++i) growth[i] = axes[i].integral - before[i].integral;
-  const Vector3d allowed = growth - std::max(0.0, growth.dot(towards)) * towards;
-  for (int i = 0; i < 3; ++i) axes[i].integral = before[i].integral + allowed[i];
+  for (int i = 0; i < 3; ++i) growth[i] = after[i].integral - before[i].integral;
+  growth -= std::max(0.0, growth.dot(towards)) * towards;
+  for (int i = 0; i < 3; ++i) axes[i].integral = before[i].integral + growth[i];
+  return axes;
 }
 
 }  // namespace
@@ -164,7 +166,8 @@ HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input, cons
     wanted = rates_for_velocity(here, velocity_m_s, recommended.damped_within_m,
                                 recommended.alignment_gain_1_m);
     const TetherCommand possible = within_limits(config.limits, here, wanted);
-    stop_windup(velocity_m_s - velocity_in_station_m_s(here, possible), axes, plan.axes);
+    plan.axes =
+        without_windup(axes, plan.axes, velocity_m_s - velocity_in_station_m_s(here, possible));
   }
   wanted.yaw_rate_rad_s = yaw.output;
   plan.command = within_limits(config.limits, here, wanted);

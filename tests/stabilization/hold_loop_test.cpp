@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <numbers>
+#include <random>
 
 #include "geometry/angle.hpp"
 #include "hold_scene.hpp"
@@ -29,6 +30,7 @@ struct Loop {
   double period_s = 1.0 / 30;
   double latency_s = 0.13;
   double heading_error_rad = 0;
+  double noise_m = 0;  // of each frame's displacement, each axis
   double yaw_rad = 0;  // the drone's at the start
   Vector3d station_axis = Vector3d::UnitX();
   TetherState start{2, std::numbers::pi / 2, 0};
@@ -89,6 +91,8 @@ Outcome fly(const Loop& loop) {
   Vector3d station = Vector3d::Zero();
   TetherCommand command;
   std::deque<HoldInput> in_flight;
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
   Outcome out;
   double next_exposure_s = 0, sum = 0;
   const int steps = static_cast<int>(loop.duration_s / kStep_s);
@@ -98,8 +102,10 @@ Outcome fly(const Loop& loop) {
     const Vector3d displacement = station + position_in_station(tether) - home;
     if (t_s >= next_exposure_s - 1e-9) {
       next_exposure_s += loop.period_s;
+      const Vector3d noise =
+          loop.noise_m * Vector3d(normal(random), normal(random), normal(random));
       in_flight.push_back(
-          {.estimate = estimate_of(loop, displacement, yaw.value, from_seconds(t_s)),
+          {.estimate = estimate_of(loop, displacement + noise, yaw.value, from_seconds(t_s)),
            .station_from_camera =
                so3_exp({0, 0, yaw.value + loop.heading_error_rad}) * forward_camera()});
     }
@@ -228,6 +234,13 @@ TEST(HoldLoop, AStationThatOutrunsTheDroneLeavesNoWindup) {
               o.overshoot_m);
   EXPECT_GT(o.max_m, 2);
   EXPECT_LT(o.overshoot_m, 0.1);
+}
+
+TEST(HoldLoop, NoiseMovesTheDroneLessThanItIs) {
+  Loop loop{.noise_m = 0.03, .start = {2.5, 1, 0}};
+  const Outcome o = fly(loop);
+  print("noise of 3 cm an axis and frame", o);
+  EXPECT_LT(o.mean_m, 0.03);
 }
 
 TEST(HoldLoop, StationStillDroneStill) {

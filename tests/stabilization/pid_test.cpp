@@ -9,19 +9,19 @@
 namespace stillkite {
 namespace {
 
-constexpr double kStep_s = 0.01;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSample_s = 0.01;
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Pid, ProportionalOnAnIntegratorDecaysGeometrically) {
   const PidConfig config{.proportional = 0.8, .output_limit = 10};
   PidState state;
   double x = 3;
   for (int k = 1; k <= 500; ++k) {
-    const PidStep now = step(config, state, -x, kStep_s);
+    const PidStep now = step(config, state, -x, kSample_s);
     state = now.state;
-    x += kStep_s * now.output;
+    x += kSample_s * now.output;
     // sampled at dt the exponential exp(-P t) is (1 - P dt)^k
-    ASSERT_NEAR(x, 3 * std::pow(1 - 0.8 * kStep_s, k), 1e-12);
+    ASSERT_NEAR(x, 3 * std::pow(1 - 0.8 * kSample_s, k), 1e-12);
   }
   EXPECT_NEAR(x, 3 * std::exp(-0.8 * 5), 0.01 * 3 * std::exp(-0.8 * 5) * 2);
 }
@@ -33,10 +33,10 @@ TEST(Pid, IntegralFollowsARampWithoutError) {
     double x = 0;
     double error = 0;
     for (int k = 0; k < 3000; ++k) {
-      error = 0.2 * k * kStep_s - x;
-      const PidStep now = step(config, state, error, kStep_s);
+      error = 0.2 * k * kSample_s - x;
+      const PidStep now = step(config, state, error, kSample_s);
       state = now.state;
-      x += kStep_s * now.output;
+      x += kSample_s * now.output;
     }
     return error;
   };
@@ -52,9 +52,9 @@ double overshoot(double integral_limit, bool bounded) {
   double x = 0;
   double most = 0;
   for (int k = 0; k < 6000; ++k) {
-    const PidStep now = step(config, state, 1 - x, kStep_s);
+    const PidStep now = step(config, state, 1 - x, kSample_s);
     state = now.state;
-    x += kStep_s * std::clamp(now.output, -0.1, 0.1);
+    x += kSample_s * std::clamp(now.output, -0.1, 0.1);
     most = std::max(most, x - 1);
   }
   return most;
@@ -73,7 +73,7 @@ TEST(Pid, DerivativeOfARampIsItsSlope) {
   PidState state;
   double output = 0;
   for (int k = 0; k < 400; ++k) {
-    const PidStep now = step(config, state, 0.5 * k * kStep_s, kStep_s);
+    const PidStep now = step(config, state, 0.5 * k * kSample_s, kSample_s);
     state = now.state;
     output = now.output;
     // k samples of the low pass: slope (1 - (tau / (tau + dt))^k)
@@ -84,31 +84,31 @@ TEST(Pid, DerivativeOfARampIsItsSlope) {
 
 TEST(Pid, DeadBandStartsFromZeroAtItsEdge) {
   const PidConfig config{.proportional = 2, .dead_band = 0.1, .output_limit = 10};
-  EXPECT_EQ(step(config, {}, 0.1, kStep_s).output, 0);
-  EXPECT_EQ(step(config, {}, -0.09, kStep_s).output, 0);
-  EXPECT_NEAR(step(config, {}, 0.15, kStep_s).output, 0.1, 1e-12);
-  EXPECT_NEAR(step(config, {}, -0.3, kStep_s).output, -0.4, 1e-12);
+  EXPECT_EQ(step(config, {}, 0.1, kSample_s).output, 0);
+  EXPECT_EQ(step(config, {}, -0.09, kSample_s).output, 0);
+  EXPECT_NEAR(step(config, {}, 0.15, kSample_s).output, 0.1, 1e-12);
+  EXPECT_NEAR(step(config, {}, -0.3, kSample_s).output, -0.4, 1e-12);
 }
 
 TEST(Pid, OutputAndSlewStayWithinTheirBounds) {
   const PidConfig config{.proportional = 5, .output_limit = 1, .slew_limit = 2};
   PidState state;
   for (int k = 1; k <= 100; ++k) {
-    const PidStep now = step(config, state, 100, kStep_s);
+    const PidStep now = step(config, state, 100, kSample_s);
     state = now.state;
-    ASSERT_NEAR(now.output, std::min(1.0, 2 * k * kStep_s), 1e-12);
+    ASSERT_NEAR(now.output, std::min(1.0, 2 * k * kSample_s), 1e-12);
   }
 }
 
 TEST(Pid, WhatIsNotFiniteChangesNothing) {
   const PidConfig config{.integral = 1};
-  const PidState state = step(config, {}, 0.3, kStep_s).state;
-  for (const double error : {kNaN, std::numeric_limits<double>::infinity()}) {
-    const PidStep now = step(config, state, error, kStep_s);
+  const PidState state = step(config, {}, 0.3, kSample_s).state;
+  for (const double error : {kNotANumber, std::numeric_limits<double>::infinity()}) {
+    const PidStep now = step(config, state, error, kSample_s);
     EXPECT_EQ(now.output, 0);
     EXPECT_EQ(now.state.integral, state.integral);
   }
-  EXPECT_EQ(step(config, state, 0.3, kNaN).output, 0);
+  EXPECT_EQ(step(config, state, 0.3, kNotANumber).output, 0);
   EXPECT_EQ(step(config, state, 0.3, -1).state.integral, state.integral);
 }
 

@@ -1,0 +1,62 @@
+#include "stabilization/hold_config.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace stillkite {
+namespace {
+
+// Visits every number below a config struct.
+struct CheckDefaults {
+  std::string path;
+  int& numbers;
+
+  void operator()(const char* key, double value, Range range, std::string_view sentence) const {
+    EXPECT_TRUE(range.contains(value)) << path << key;
+    EXPECT_FALSE(sentence.empty()) << path << key;
+    ++numbers;
+  }
+  void operator()(const char* key, const std::optional<double>& value, Range range,
+                  std::string_view sentence) const {
+    if (value) (*this)(key, *value, range, sentence);
+  }
+  void operator()(const char*, bool, std::string_view) const {}
+  void operator()(const char*, HoldMode, std::string_view) const {}
+  template <typename Struct>
+  void operator()(const char* key, const Struct& nested, std::string_view) const {
+    Struct::fields(nested, CheckDefaults{path + key + ".", numbers});
+  }
+};
+
+TEST(HoldConfig, EveryDefaultIsWithinItsRange) {
+  int numbers = 0;
+  const HoldConfig config;
+  HoldConfig::fields(config, CheckDefaults{"", numbers});
+  EXPECT_EQ(numbers, 3 + 8 + (3 + 4 * 7) + (2 * 7 + 6));
+}
+
+// docs/hold_controller.md: the double pole at -1.5 /s for a lag of 0.5 s and a latency of 0.13 s.
+TEST(HoldConfig, PositionGainsPlaceTheirPoles) {
+  const RecommendedHoldConfig config;
+  constexpr double kPole_1_s = 1.5;
+  EXPECT_NEAR(config.position.integral, kPole_1_s * kPole_1_s, 1e-12);
+  EXPECT_NEAR(config.position.proportional,
+              2 * kPole_1_s + (config.lag_s + 0.13) * kPole_1_s * kPole_1_s, 0.02);
+}
+
+// The speed of the relay lies between the station's and what comes to rest in the dead zone.
+TEST(HoldConfig, PaperGainsFollowTheirRule) {
+  const PaperHoldConfig config;
+  const double dead_zone_m = config.min_shift_px * 4 / 420;
+  const double after_s = 1.5 * 0.206 + 0.5;
+  for (const PidConfig& pid : {config.length, config.elevation, config.azimuth}) {
+    EXPECT_GT(pid.proportional * config.unit_translation_m, 0.2);
+    EXPECT_LT(pid.proportional * config.unit_translation_m * after_s, 2 * dead_zone_m);
+  }
+}
+
+}  // namespace
+}  // namespace stillkite
