@@ -9,10 +9,11 @@
 namespace stillkite {
 
 /// A measurement is known to the controller from `available` on, and was true at `stamp`.
-struct TetherReading {
+struct TetherSample {
   Timestamp stamp;
   Timestamp available;
   TetherState tether;  ///< in the station's frame; of a slack tether the length is no distance
+  bool taut = true;    ///< as the reel feels it
 };
 
 struct AttitudeReading {
@@ -25,7 +26,7 @@ struct AttitudeReading {
 
 /// What the sensors measured at an instant; empty where none was due.
 struct HoverReadings {
-  std::vector<TetherReading> tether;
+  std::vector<TetherSample> tether;
   std::vector<AttitudeReading> attitude;
 };
 

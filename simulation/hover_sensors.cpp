@@ -40,14 +40,14 @@ HoverReadings HoverSensors::read(const DroneTruth& truth, Timestamp now) {
   return readings;
 }
 
-TetherReading HoverSensors::read_tether(const DroneTruth& truth, Timestamp now) {
+TetherSample HoverSensors::read_tether(const DroneTruth& truth, Timestamp now) {
   const TetherSensorConfig& sensor = config_.tether;
   const double angle_noise_rad = sensor.angle_noise_deg * kDegree;
   TetherState read = truth.tether;
   read.length_m += sensor.length_noise_m * tether_random_.normal();
   read.elevation_rad += angle_noise_rad * tether_random_.normal();
   read.azimuth_rad += angle_noise_rad * tether_random_.normal();
-  return {now, later(now, sensor.latency_s), read};
+  return {now, later(now, sensor.latency_s), read, truth.tether_status == TetherStatus::taut};
 }
 
 AttitudeReading HoverSensors::read_attitude(const DroneTruth& truth, Timestamp now) {

@@ -73,7 +73,7 @@ class HoverSensors {
   [[nodiscard]] double known_height_m(double height_m) const;
 
  private:
-  [[nodiscard]] TetherReading read_tether(const DroneTruth& truth, Timestamp now);
+  [[nodiscard]] TetherSample read_tether(const DroneTruth& truth, Timestamp now);
   [[nodiscard]] AttitudeReading read_attitude(const DroneTruth& truth, Timestamp now);
 
   HoverSensorConfig config_;

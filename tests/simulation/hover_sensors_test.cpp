@@ -61,7 +61,7 @@ TEST(HoverSensors, HaveTheNoiseAndTheDriftTheyAreSaidToHave) {
   config.imu = kExactImu;
   const HoverReadings readings = readings_at_rest(config, 5, 60 * 200);
   double length = 0, angle = 0;
-  for (const TetherReading& reading : readings.tether) {
+  for (const TetherSample& reading : readings.tether) {
     length += std::pow(reading.tether.length_m - 2, 2);
     angle += std::pow(reading.tether.azimuth_rad, 2);
   }

@@ -1,0 +1,144 @@
+#include "app/hover_results.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "evaluation/trial_statistics.hpp"
+#include "geometry/angle.hpp"
+
+namespace stillkite {
+namespace {
+
+using nlohmann::json;
+
+// Table I of the hold paper, cm: x, y, z, all.
+struct PaperRow {
+  const char* trials;
+  const char* figure;
+  std::array<int, 4> cm;
+};
+constexpr std::array<PaperRow, 4> kPaperTable{{{"on", "mean_m", {36, 26, 35, 34}},
+                                               {"on", "std_m", {45, 31, 43, 42}},
+                                               {"off", "mean_m", {106, 43, 108, 98}},
+                                               {"off", "std_m", {122, 52, 119, 118}}}};
+constexpr std::array<const char*, 4> kTableColumns{"x", "y", "z", "all"};
+
+json statistics_json(const std::vector<double>& values_m) {
+  const std::optional<DisplacementStatistics> found = displacement_statistics(values_m);
+  if (!found) return {{"mean_m", nullptr}, {"std_m", nullptr}, {"max_m", nullptr}};
+  return {{"mean_m", found->mean_m}, {"std_m", found->std_m}, {"max_m", found->max_m}};
+}
+
+// All samples of the flights with or without stabilization, along one axis or (nothing) along any.
+json pooled_json(std::span<const TrialRecord> records, bool stabilized,
+                 std::optional<PaperAxis> axis) {
+  std::vector<double> pooled;
+  for (const TrialRecord& record : records) {
+    if (record.trial.stabilized != stabilized || (axis && record.trial.axis != *axis)) continue;
+    const std::vector<double> values = displacements_m(record);
+    pooled.insert(pooled.end(), values.begin(), values.end());
+  }
+  return statistics_json(pooled);
+}
+
+json table_row(std::span<const TrialRecord> records, bool stabilized) {
+  json row;
+  for (const auto& [axis, name] : EnumNames<PaperAxis>::value) {
+    row[std::string(name)] = pooled_json(records, stabilized, axis);
+  }
+  row["all"] = pooled_json(records, stabilized, std::nullopt);
+  return row;
+}
+
+std::string policy_of(const Trial& trial, const std::string& policy) {
+  return trial.stabilized ? policy : "none";
+}
+
+std::string in_cm(const json& metres) {
+  return metres.is_number() ? fmt::format("{:.1f}", 100 * metres.get<double>()) : "-";
+}
+
+}  // namespace
+
+std::vector<double> displacements_m(const TrialRecord& record) {
+  const Eigen::Vector3d axis = paper_axis_in_world(record.trial.axis);
+  std::vector<double> values;
+  values.reserve(record.samples.size());
+  for (const TrialSample& sample : record.samples) {
+    values.push_back(axis.dot(sample.displacement_in_world_m));
+  }
+  return values;
+}
+
+json hover_summary(std::span<const TrialRecord> records, const std::string& policy, double wall_s) {
+  json trials = json::array();
+  double flown_s = 0;
+  for (const TrialRecord& record : records) {
+    json trial = statistics_json(displacements_m(record));
+    trial["axis"] = name_of(record.trial.axis);
+    trial["stabilization"] = record.trial.stabilized;
+    trial["policy"] = policy_of(record.trial, policy);
+    trial["seed"] = record.trial.seed;
+    trials.push_back(std::move(trial));
+    if (!record.samples.empty()) flown_s += record.samples.back().t_s;
+  }
+  return {{"table", {{"on", table_row(records, true)}, {"off", table_row(records, false)}}},
+          {"trials", std::move(trials)},
+          {"timing", {{"wall_s", wall_s}, {"real_time_factor", flown_s / wall_s}}}};
+}
+
+std::string trials_csv(std::span<const TrialRecord> records, const std::string& policy) {
+  std::string out = "#trial,axis,stabilization,policy,seed,samples,mean [m],std [m],max [m]\n";
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const Trial& trial = records[i].trial;
+    const auto found = displacement_statistics(displacements_m(records[i]));
+    if (!found) continue;
+    fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{:.6g},{:.6g},{:.6g}\n", i,
+                   name_of(trial.axis), trial.stabilized ? "on" : "off", policy_of(trial, policy),
+                   trial.seed, found->samples, found->mean_m, found->std_m, found->max_m);
+  }
+  return out;
+}
+
+std::string samples_csv(std::span<const TrialRecord> records) {
+  std::string out =
+      "#trial,t [s],dx [m],dy [m],dz [m],station_x [m],station_y [m],station_z [m],yaw [deg],"
+      "verdict,action,reason,length_rate [m/s],elevation_rate [rad/s],azimuth_rate [rad/s],"
+      "yaw_rate [rad/s]\n";
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    for (const TrialSample& s : records[i].samples) {
+      const Eigen::Vector3d& d = s.displacement_in_world_m;
+      const Eigen::Vector3d& at = s.station_in_world_m;
+      fmt::format_to(std::back_inserter(out),
+                     "{},{:.4f},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.4f},{},{},{},"
+                     "{:.5f},{:.5f},{:.5f},{:.5f}\n",
+                     i, s.t_s, d.x(), d.y(), d.z(), at.x(), at.y(), at.z(), s.yaw_rad / kDegree,
+                     name_of(s.verdict), name_of(s.action), name_of(s.reason),
+                     s.command.length_rate_m_s, s.command.elevation_rate_rad_s,
+                     s.command.azimuth_rate_rad_s, s.command.yaw_rate_rad_s);
+    }
+  }
+  return out;
+}
+
+std::string hover_table(const json& summary) {
+  std::string out = fmt::format("{:<28}", "displacement, cm (paper's)");
+  for (const char* column : kTableColumns) out += fmt::format("{:>16}", column);
+  out += '\n';
+  for (const PaperRow& row : kPaperTable) {
+    const std::string figure = row.figure == std::string("mean_m") ? "mean |d|" : "deviation";
+    out += fmt::format("stabilization {:<4}{:<10}", row.trials, figure);
+    for (std::size_t i = 0; i < kTableColumns.size(); ++i) {
+      const json& value = summary["table"][row.trials][kTableColumns[i]][row.figure];
+      out += fmt::format("{:>10} ({:>3})", in_cm(value), row.cm[i]);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,59 @@
+#include "navigation/hover_pilot.hpp"
+
+namespace stillkite {
+namespace {
+
+EstimateStatus flow_status(Verdict verdict) {
+  const bool is_measured = verdict == Verdict::ok || verdict == Verdict::first_frame;
+  return is_measured ? EstimateStatus::ok : EstimateStatus::lost;
+}
+
+}  // namespace
+
+MotionEstimate motion_estimate(const NavigationEstimate& estimate,
+                               const RigidTransform& world_from_start,
+                               const RigidTransform& body_from_camera) {
+  if (estimate.reference) return estimate.reference->motion;
+  const RigidTransform start_from_camera =
+      world_from_start.inverse() * (estimate.world_from_body * body_from_camera);
+  const Eigen::Matrix3d R = world_from_start.rotation.conjugate().toRotationMatrix();
+  const bool is_metric = estimate.scale != ScaleSource::none;
+  MotionEstimate motion;
+  motion.stamp = estimate.stamp;
+  motion.source = EstimateSource::flow;
+  motion.status = flow_status(estimate.verdict);
+  motion.reference_from_camera = start_from_camera.rotation;
+  motion.rotation_covariance =
+      R * estimate.pose_covariance.bottomRightCorner<3, 3>() * R.transpose();
+  motion.displacement_kind = is_metric ? DisplacementKind::metric : DisplacementKind::unknown;
+  if (is_metric) motion.displacement_in_reference = start_from_camera.translation;
+  motion.displacement_covariance =
+      R * estimate.pose_covariance.topLeftCorner<3, 3>() * R.transpose();
+  motion.twist_in_camera = estimate.twist_in_camera;
+  motion.scale = estimate.scale;
+  motion.scale_age_s = estimate.scale_age_s;
+  return motion;
+}
+
+HoverPilot::HoverPilot(const Camera& camera, const RigidTransform& body_from_camera,
+                       const NavigatorConfig& navigator, const EstimatorConfig& estimator,
+                       const HoldConfig& hold, const InitialState& initial)
+    : body_from_camera_(body_from_camera),
+      navigator_(camera, body_from_camera, navigator, initial, estimator),
+      controller_(hold) {}
+
+PilotStep HoverPilot::step(const Frame& frame, const TetheredReadings& readings) {
+  PilotStep out;
+  // 1. How the camera has moved.
+  out.estimate = navigator_.step(frame, readings.others);
+  if (!world_from_start_) world_from_start_ = out.estimate.world_from_body * body_from_camera_;
+  // 2. The command that takes it back.
+  out.decision = controller_.decide(
+      {.now = readings.now,
+       .estimate = motion_estimate(out.estimate, *world_from_start_, body_from_camera_),
+       .tether = readings.tether,
+       .station_from_camera = readings.station_from_body * body_from_camera_.rotation});
+  return out;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "navigation/navigator.hpp"
+#include "stabilization/hold_controller.hpp"
+
+namespace stillkite {
+
+/// What a tethered drone's computer knows beside a picture when its command goes out.
+struct TetheredReadings {
+  Timestamp now;                         ///< of the command, later than the exposure
+  std::optional<TetherReading> tether;   ///< the latest
+  Eigen::Quaterniond station_from_body;  ///< at the exposure: IMU, heading zeroed at take-off
+  SensorReadings others;                 ///< what the navigator may use
+};
+
+struct PilotStep {
+  NavigationEstimate estimate;
+  HoldDecision decision;
+};
+
+/// One frame's journey on a tethered drone: how it has moved, and the command that takes it back.
+class HoverPilot {
+ public:
+  /// Throws InputError as Navigator and HoldController do. `body_from_camera`: the gimbal's, which
+  /// keeps tilt and roll.
+  HoverPilot(const Camera& camera, const RigidTransform& body_from_camera,
+             const NavigatorConfig& navigator, const EstimatorConfig& estimator,
+             const HoldConfig& hold, const InitialState& initial);
+
+  PilotStep step(const Frame& frame, const TetheredReadings& readings);
+
+ private:
+  RigidTransform body_from_camera_;
+  Navigator navigator_;
+  HoldController controller_;
+  std::optional<RigidTransform> world_from_start_;  // the camera at the first frame
+};
+
+/// What an estimate says to the controller: of the reference estimator its own answer; of the flow
+/// navigator the way from `world_from_start`, metric where it has a scale.
+[[nodiscard]] MotionEstimate motion_estimate(const NavigationEstimate& estimate,
+                                             const RigidTransform& world_from_start,
+                                             const RigidTransform& body_from_camera);
+
+}  // namespace stillkite
