@@ -15,13 +15,13 @@ struct InFront {
 
 // Depths of the point along both rays, from b depth_b = depth_a R a + t, up to a common positive
 // factor: crossed with b, and with R a.
-InFront count_in_front(const RelativePose& pose, std::span<const BearingPair> pairs,
+InFront count_in_front(const RelativePose& pose, const BearingColumns& pairs,
                        double least_angle) {
   const Eigen::Matrix3d R = pose.current_from_reference.toRotationMatrix();
   InFront count;
-  for (const BearingPair& pair : pairs) {
-    const Eigen::Vector3d a = R * pair.reference.homogeneous();
-    const Eigen::Vector3d b = pair.current.homogeneous();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Eigen::Vector3d a = R * Eigen::Vector3d(pairs.ax[i], pairs.ay[i], 1);
+    const Eigen::Vector3d b(pairs.bx[i], pairs.by[i], 1);
     const Eigen::Vector3d normal = a.cross(b);
     const bool in_front =
         pose.direction.cross(b).dot(normal) < 0 && pose.direction.cross(a).dot(normal) < 0;
@@ -50,7 +50,7 @@ std::array<RelativePose, 4> decompose_essential(const Eigen::Matrix3d& E) {
   return {{{p, t}, {p, -t}, {q, t}, {q, -t}}};
 }
 
-RelativePose pose_in_front(const Eigen::Matrix3d& E, std::span<const BearingPair> pairs,
+RelativePose pose_in_front(const Eigen::Matrix3d& E, const BearingColumns& pairs,
                            double least_angle) {
   const std::array<RelativePose, 4> poses = decompose_essential(E);
   const auto score = [&](const RelativePose& pose) {

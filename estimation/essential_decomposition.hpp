@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <span>
 
+#include "estimation/epipolar_error.hpp"
 #include "estimation/relative_pose.hpp"
 
 namespace stillkite {
@@ -15,6 +15,6 @@ namespace stillkite {
 /// The one of the four that has most pairs in front of both cameras, of those pairs whose rays meet
 /// at more than `least_angle` (rad; of all where fewer than five do so).
 [[nodiscard]] RelativePose pose_in_front(const Eigen::Matrix3d& E,
-                                         std::span<const BearingPair> pairs, double least_angle);
+                                         const BearingColumns& pairs, double least_angle);
 
 }  // namespace stillkite

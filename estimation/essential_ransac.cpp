@@ -14,7 +14,7 @@ namespace {
 // Cutoffs of Tukey's weights in thresholds, wide enough at first for the error of what they start
 // from: a model of five noisy pairs; a prior that is off by some degrees.
 constexpr std::array<double, 3> kOptimiseDraw{4, 2, 1.5};
-constexpr std::array<double, 5> kOptimisePrior{20, 10, 5, 2.5, 1.5};
+constexpr std::array<double, 5> kOptimiseStart{20, 10, 5, 2.5, 1.5};
 constexpr int kSteps = 2;
 
 int count_below(const std::vector<float>& distances, double from, double to) {
@@ -59,15 +59,20 @@ bool explains(const BearingColumns& columns, const Eigen::Matrix3d& E, double th
          around <= beyond + 2 * std::sqrt(beyond + 1.0) + 0.1 * within;
 }
 
+EssentialFit optimise_start(const BearingColumns& columns, const RelativePose& start,
+                            double threshold) {
+  return optimise(columns, start, threshold, kOptimiseStart);
+}
+
 EssentialFit fit_essential(const BearingColumns& columns, double threshold,
                            const RelativePoseConfig& config,
-                           const std::optional<RelativePose>& prior) {
+                           std::span<const RelativePose> starts) {
   EssentialFit best{.cost = static_cast<double>(columns.size())};
   if (columns.size() < 5) return best;
-  if (prior && config.use_prior && prior->direction.norm() > 0.5) {
-    best = optimise(columns, {prior->current_from_reference, prior->direction.normalized()},
-                    threshold, kOptimisePrior);
-    if (explains(columns, essential_matrix(best.pose), threshold)) return best;
+  for (const RelativePose& start : starts) {
+    const EssentialFit fit = optimise_start(columns, start, threshold);
+    if (fit.cost < best.cost) best = fit;
+    if (explains(columns, essential_matrix(fit.pose), threshold)) return best;
   }
   RandomDraws random(static_cast<std::uint64_t>(config.seed) + 1);
   const auto count = static_cast<double>(columns.size());

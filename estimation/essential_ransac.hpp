@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <span>
 
 #include "estimation/epipolar_error.hpp"
 #include "estimation/relative_pose_config.hpp"
@@ -17,11 +17,16 @@ struct EssentialFit {
 };
 
 /// Locally optimised RANSAC with truncated squares (Chum, Matas and Kittler 2003; Torr and
-/// Zisserman 2000, MSAC): each best model so far is refined on all pairs before the next draw. A
-/// prior is refined first, and ends the search where it `explains` the pairs. `threshold` on z = 1.
+/// Zisserman 2000, MSAC): each best model so far is refined on all pairs before the next draw. The
+/// `starts` are refined first, and one that `explains` the pairs ends the search. `threshold` on z =
+/// 1.
 [[nodiscard]] EssentialFit fit_essential(const BearingColumns& columns, double threshold,
                                          const RelativePoseConfig& config,
-                                         const std::optional<RelativePose>& prior);
+                                         std::span<const RelativePose> starts);
+
+/// A pose that is off by some degrees, refined on all pairs.
+[[nodiscard]] EssentialFit optimise_start(const BearingColumns& columns, const RelativePose& start,
+                                          double threshold);
 
 /// Whether a model stands as a fresh one would: at least a quarter of the pairs lie within the
 /// threshold, and between one and three thresholds there are no more than there would be of pairs

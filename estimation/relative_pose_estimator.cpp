@@ -2,15 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
-#include "estimation/epipolar_error.hpp"
 #include "estimation/essential_decomposition.hpp"
 #include "estimation/essential_ransac.hpp"
 #include "estimation/random_draws.hpp"
+#include "estimation/residual_scale.hpp"
+#include "estimation/rotation_view.hpp"
 #include "estimation/sampson_refinement.hpp"
+#include "estimation/transfer_error.hpp"
+#include "estimation/view_model.hpp"
 
 namespace stillkite {
 namespace {
+
+// Of two components: their median length is sqrt(2 ln 2) standard deviations; Tukey's cutoff for 95
+// % of the efficiency is as in robust_kernel.hpp.
+constexpr double kSigmaOfMedianLength = 1 / 1.1774100225154747;
+constexpr double kTukeyCutoffOfLength = 5.1;
+constexpr double kLeastCutoff = 1e-9;
+constexpr double kCutoffInThresholds = 1.5;
+constexpr int kRotationDraws = 40;
+constexpr int kPlaneDraws = 15;
+
+// The pairs of one call and what is found out about them on the way.
+struct Problem {
+  std::span<const BearingPair> pairs;
+  const RelativePoseConfig& config;
+  const RelativePoseHints& hints;
+  double threshold;
+  std::vector<int> order;  // of the columns' pairs
+  BearingColumns columns;
+};
 
 std::vector<int> shuffled_finite_pairs(std::span<const BearingPair> pairs, int seed) {
   std::vector<int> order;
@@ -24,16 +47,144 @@ std::vector<int> shuffled_finite_pairs(std::span<const BearingPair> pairs, int s
   return order;
 }
 
-double robust_sigma(const std::vector<float>& distances, double threshold) {
-  std::vector<float> inliers;
-  inliers.reserve(distances.size());
-  for (const float e : distances) {
-    if (e < threshold) inliers.push_back(e);
+// A pose and the cutoff of Tukey's weights that it was refined with.
+template <typename Pose>
+struct Refined {
+  Pose pose;
+  double cutoff;
+};
+
+// Refines with a cutoff that shrinks with the noise which the pose leaves: `refine(pose, cutoff)`,
+// `distances(pose)`.
+template <typename Pose>
+Refined<Pose> refine_to_noise(const Problem& problem, Pose pose, double sigma_of_median,
+                              double cutoff_in_sigma, const auto& refine, const auto& distances) {
+  const double widest = kCutoffInThresholds * problem.threshold;
+  if (!problem.config.refine) return {pose, widest};
+  double cutoff = widest;
+  double sigma = scale_below(distances(pose), problem.threshold, sigma_of_median);
+  for (int i = 0; i < 10; ++i) {
+    cutoff = std::clamp(cutoff_in_sigma * sigma, kLeastCutoff, widest);
+    pose = refine(pose, cutoff);
+    const double before = sigma;
+    sigma = scale_below(distances(pose), problem.threshold, sigma_of_median);
+    if (sigma > 0.98 * before) break;
   }
-  if (inliers.empty()) return 0;
-  const auto middle = inliers.begin() + static_cast<std::ptrdiff_t>(inliers.size() / 2);
-  std::nth_element(inliers.begin(), middle, inliers.end());
-  return kSigmaOfMedian * static_cast<double>(*middle);
+  return {pose, cutoff};
+}
+
+RelativePoseEstimate with_inliers(const Problem& problem, ViewModel model,
+                                  const std::vector<float>& distances, double sigma_of_median) {
+  RelativePoseEstimate estimate{.model = model};
+  estimate.inliers.assign(problem.pairs.size(), 0);
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const bool inlier = distances[i] < problem.threshold;
+    estimate.inliers[static_cast<std::size_t>(problem.order[i])] = inlier ? 1 : 0;
+    estimate.inlier_count += inlier ? 1 : 0;
+  }
+  estimate.residual = scale_below(distances, problem.threshold, sigma_of_median);
+  return estimate;
+}
+
+BearingColumns inlier_columns(const Problem& problem, const std::vector<float>& distances) {
+  std::vector<int> order;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    if (distances[i] < problem.threshold) order.push_back(problem.order[i]);
+  }
+  return {problem.pairs, order};
+}
+
+RelativePoseEstimate general_estimate(const Problem& problem, const Refined<RelativePose>& fit) {
+  const Eigen::Matrix3d E = essential_matrix(fit.pose);
+  const std::vector<float> distances = sampson_distances(problem.columns, E);
+  RelativePoseEstimate estimate =
+      with_inliers(problem, ViewModel::general, distances, kSigmaOfMedian);
+  estimate.pose = pose_in_front(E, inlier_columns(problem, distances), 3 * estimate.residual);
+  estimate.covariance = pose_covariance(problem.columns, estimate.pose, fit.cutoff);
+  return estimate;
+}
+
+RelativePoseEstimate rotation_estimate(const Problem& problem, ViewModel model,
+                                       const Eigen::Quaterniond& rotation) {
+  const auto distances = [&](const Eigen::Quaterniond& q) {
+    return transfer_distances(problem.columns, q.toRotationMatrix());
+  };
+  const Refined<Eigen::Quaterniond> fit = refine_to_noise(
+      problem, rotation, kSigmaOfMedianLength, kTukeyCutoffOfLength,
+      [&](const Eigen::Quaterniond& q, double cutoff) {
+        return refine_rotation(problem.columns, q, cutoff, 2);
+      },
+      distances);
+  RelativePoseEstimate estimate =
+      with_inliers(problem, model, distances(fit.pose), kSigmaOfMedianLength);
+  estimate.pose.current_from_reference = fit.pose;
+  estimate.covariance = rotation_covariance(problem.columns, fit.pose, fit.cutoff);
+  return estimate;
+}
+
+RelativePoseEstimate plane_estimate(const Problem& problem, const PlaneView& rough,
+                                    const BearingColumns& inliers) {
+  const auto distances = [&](const PlaneView& view) {
+    return transfer_distances(problem.columns, view.homography());
+  };
+  const Refined<PlaneView> fit = refine_to_noise(
+      problem, rough, kSigmaOfMedianLength, kTukeyCutoffOfLength,
+      [&](const PlaneView& view, double cutoff) {
+        return refine_plane(problem.columns, view, cutoff, 2);
+      },
+      distances);
+  const std::optional<PlaneView> view = resolve_plane(
+      decompose_homography(fit.pose.homography()), inliers, problem.hints, problem.config);
+  RelativePoseEstimate estimate =
+      with_inliers(problem, view ? ViewModel::plane : ViewModel::undecided, distances(fit.pose),
+                   kSigmaOfMedianLength);
+  if (!view) return estimate;
+  estimate.pose = {view->current_from_reference, view->translation.normalized()};
+  estimate.covariance = plane_covariance(problem.columns, *view, fit.cutoff);
+  return estimate;
+}
+
+// A scene that is nearly flat has a second, false minimum near the plane's other pose: the better of
+// both is taken.
+EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit, const PlaneView& plane) {
+  EssentialFit best = fit;
+  for (const PlaneView& view : decompose_homography(plane.homography())) {
+    if (!(view.translation.norm() > 0)) continue;
+    const EssentialFit other = optimise_start(
+        problem.columns, {view.current_from_reference, view.translation.normalized()},
+        problem.threshold);
+    if (other.cost < best.cost) best = other;
+  }
+  return best;
+}
+
+Refined<RelativePose> refine_essential(const Problem& problem, const EssentialFit& fit) {
+  return refine_to_noise(
+      problem, fit.pose, kSigmaOfMedian, kTukeyCutoff,
+      [&](const RelativePose& pose, double cutoff) {
+        return refine_pose(problem.columns, pose, cutoff, 3);
+      },
+      [&](const RelativePose& pose) {
+        return sampson_distances(problem.columns, essential_matrix(pose));
+      });
+}
+
+// Where the estimate may start from: the prior, and the rotation that explains at least a quarter of
+// the pairs with the direction in which they are displaced beside it.
+std::vector<RelativePose> starts_of(const Problem& problem, const Eigen::Quaterniond& rotation) {
+  std::vector<RelativePose> starts;
+  const std::optional<RelativePose>& prior = problem.hints.prior;
+  if (problem.config.use_prior && prior && prior->direction.norm() > 0.5) {
+    starts.push_back({prior->current_from_reference, prior->direction.normalized()});
+  }
+  if (!problem.config.model_test) return starts;
+  const Eigen::Matrix3d R = rotation.toRotationMatrix();
+  const auto count = static_cast<double>(problem.columns.size());
+  const double wide = 4 * problem.threshold;
+  if (truncated_transfer_cost(problem.columns, R, wide, count) < 0.75 * count) {
+    starts.push_back({rotation, direction_beside(problem.columns, rotation, wide)});
+  }
+  return starts;
 }
 
 }  // namespace
@@ -41,37 +192,56 @@ double robust_sigma(const std::vector<float>& distances, double threshold) {
 RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, double focal_px,
                                             const RelativePoseConfig& config,
                                             const RelativePoseHints& hints) {
-  RelativePoseEstimate estimate;
-  estimate.inliers.assign(pairs.size(), 0);
-  const double threshold = config.threshold_px / focal_px;
   const std::vector<int> order = shuffled_finite_pairs(pairs, config.seed);
-  const BearingColumns columns(pairs, order);
-  EssentialFit fit = fit_essential(columns, threshold, config, hints.prior);
-  if (!fit.found || fit.inliers < config.min_pairs) return estimate;
-  double sigma = robust_sigma(sampson_distances(columns, essential_matrix(fit.pose)), threshold);
-  double cutoff = 1.5 * threshold;
-  // the noise, and with it the cutoff, comes out smaller as the pose improves
-  for (int i = 0; config.refine && i < 10; ++i) {
-    const double before = sigma;
-    cutoff = std::clamp(kTukeyCutoff * sigma, 1e-9, 1.5 * threshold);
-    fit.pose = refine_pose(columns, fit.pose, cutoff, 3);
-    sigma = robust_sigma(sampson_distances(columns, essential_matrix(fit.pose)), threshold);
-    if (sigma > 0.98 * before) break;
+  const Problem problem{.pairs = pairs,
+                        .config = config,
+                        .hints = hints,
+                        .threshold = config.threshold_px / focal_px,
+                        .order = order,
+                        .columns = {pairs, order}};
+  RandomDraws random(static_cast<std::uint64_t>(config.seed));
+
+  // 1. the rotation that explains most pairs, where nothing or little but a rotation is seen
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  if (config.model_test) {
+    rotation = fit_rotation(problem.columns, problem.threshold, kRotationDraws, random);
   }
-  const Eigen::Matrix3d E = essential_matrix(fit.pose);
-  const std::vector<float> distances = sampson_distances(columns, E);
-  std::vector<BearingPair> inliers;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (!(distances[i] < threshold)) continue;
-    estimate.inliers[static_cast<std::size_t>(order[i])] = 1;
-    inliers.push_back(pairs[static_cast<std::size_t>(order[i])]);
+
+  // 2. the essential matrix: from what is known, else from draws of five pairs
+  EssentialFit fit =
+      fit_essential(problem.columns, problem.threshold, config, starts_of(problem, rotation));
+  if (!fit.found || fit.inliers < config.min_pairs) {
+    return with_inliers(problem, ViewModel::undecided, {}, kSigmaOfMedian);
   }
-  estimate.inlier_count = static_cast<int>(inliers.size());
-  estimate.residual = sigma;
-  estimate.pose = pose_in_front(E, inliers, 3 * sigma);
-  estimate.covariance = pose_covariance(columns, estimate.pose, cutoff);
-  estimate.model = ViewModel::general;
-  return estimate;
+  const Refined<RelativePose> refined = refine_essential(problem, fit);
+  if (!config.model_test) return general_estimate(problem, refined);
+
+  // 3. is a simpler model enough for its inliers?
+  const std::vector<float> distances =
+      sampson_distances(problem.columns, essential_matrix(refined.pose));
+  const BearingColumns inliers = inlier_columns(problem, distances);
+  const PlaneView plane = fit_plane(inliers, problem.threshold, kPlaneDraws, random);
+  const ModelEvidence evidence =
+      weigh_models(inliers, refine_rotation(inliers, rotation, 2 * problem.threshold, 3), plane,
+                   scale_below(distances, problem.threshold, kSigmaOfMedian),
+                   config.model_floor_px / focal_px);
+  switch (const ViewModel model = simplest_model(evidence); model) {
+    case ViewModel::still:
+    case ViewModel::rotation_only:
+      return rotation_estimate(problem, model, rotation);
+    case ViewModel::plane:
+      return plane_estimate(problem, plane, inliers);
+    default:
+      break;
+  }
+
+  // 4. depth it is: the pose of the essential matrix
+  const double outside = truncated_transfer_cost(inliers, plane.homography(), problem.threshold,
+                                                 static_cast<double>(inliers.size()));
+  if (outside > 0.5 * static_cast<double>(inliers.size())) {
+    return general_estimate(problem, refined);
+  }
+  return general_estimate(problem, refine_essential(problem, beside_plane(problem, fit, plane)));
 }
 
 }  // namespace stillkite

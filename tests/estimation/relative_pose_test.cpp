@@ -17,7 +17,7 @@ constexpr double kFocal_px = TwoViewScene::kFocal_px;
 TEST(RelativePose, exact_pairs_give_the_exact_pose) {
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     const TwoViews views =
-        make_two_views({.points = 200, .relief = 0.5, .noise_px = 0, .outliers = 0.3}, seed);
+        make_two_views({.points = 200, .relief = 0.5, .noise_px = 0}, seed);
     const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {});
     ASSERT_EQ(found.model, ViewModel::general) << seed;
     EXPECT_LT(rotation_error_deg(found.pose, views.truth), 1e-7) << seed;

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+
+#include "estimation/epipolar_error.hpp"
+#include "estimation/random_draws.hpp"
+
+namespace stillkite {
+
+/// Two views of a plane, b ~ (R + s n^T) a with s = t / h: translation over the distance of the
+/// plane n^T X = h from the reference camera.
+struct PlaneView {
+  Eigen::Quaterniond current_from_reference = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+
+  [[nodiscard]] Eigen::Matrix3d homography() const {
+    return current_from_reference.toRotationMatrix() + translation * normal.transpose();
+  }
+};
+
+/// The two views that share a homography, each with its normal such that n^T (0, 0, 1) > 0; equal
+/// where nothing but a rotation, or a translation along the normal, is seen. H may have any scale
+/// but 0. Ma, Soatto, Kosecka and Sastry 2004, "An invitation to 3-D vision", theorem 5.19.
+[[nodiscard]] std::array<PlaneView, 2> decompose_homography(const Eigen::Matrix3d& H);
+
+/// The homography that explains most pairs: RANSAC on four at a time with local optimisation, at
+/// most `draws`. `threshold` on z = 1.
+[[nodiscard]] PlaneView fit_plane(const BearingColumns& columns, double threshold, int draws,
+                                  RandomDraws& random);
+
+/// Gauss-Newton on the transfer errors over (w, ds, dn): exp(w) R, s + ds, and n turned in its
+/// tangent plane, with Tukey's weights.
+[[nodiscard]] PlaneView refine_plane(const BearingColumns& columns, PlaneView view, double cutoff,
+                                     int steps);
+
+/// As RelativePoseEstimate has it, of a refined view: Huber's, as pose_covariance.
+[[nodiscard]] Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view,
+                                        double cutoff);
+
+}  // namespace stillkite

@@ -1,0 +1,144 @@
+#include "estimation/view_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/transfer_error.hpp"
+#include "geometry/angle.hpp"
+
+namespace stillkite {
+namespace {
+
+// Of min(x, 6), x chi-square with two degrees of freedom: 2 (1 - e^-3), and the standard deviation.
+constexpr double kCut = 6;
+constexpr double kMeanOfCut = 1.9004259;
+constexpr double kSigmaOfCut = 1.672;
+// Chi-square with three and five degrees of freedom, quantile 1 - 3e-7 (five sigma).
+constexpr double kThreeMore = 33;
+constexpr double kFiveMore = 38;
+
+double mean_of_cut(const BearingColumns& inliers, const Eigen::Matrix3d& H, double sigma) {
+  double sum = 0;
+  for (const float d : transfer_distances(inliers, H)) {
+    sum += std::min(d * d / (sigma * sigma), kCut);
+  }
+  return inliers.size() > 0 ? sum / static_cast<double>(inliers.size()) : kCut;
+}
+
+double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
+}
+
+// Towards the plane from the reference camera, as most pairs see it.
+PlaneView with_pairs_ahead(PlaneView view, const BearingColumns& inliers, double& part_ahead) {
+  int ahead = 0;
+  const auto count = static_cast<int>(inliers.size());
+  for (std::size_t i = 0; i < inliers.size(); ++i) {
+    ahead += view.normal.dot(Eigen::Vector3d(inliers.ax[i], inliers.ay[i], 1)) > 0 ? 1 : 0;
+  }
+  if (2 * ahead < count) {
+    view.normal = -view.normal;
+    view.translation = -view.translation;
+    ahead = count - ahead;
+  }
+  part_ahead = count > 0 ? static_cast<double>(ahead) / count : 0;
+  return view;
+}
+
+// The index of the smaller, where it is smaller by the margin.
+std::optional<std::size_t> clearly_smaller(double first, double second, double margin) {
+  if (first + margin < second) return 0;
+  if (second + margin < first) return 1;
+  return std::nullopt;
+}
+
+std::optional<std::size_t> by_hints(const std::array<PlaneView, 2>& views,
+                                    const RelativePoseHints& hints, double vertical_sigma_deg) {
+  const auto of_both = [&](const auto& measure) {
+    return std::array<double, 2>{measure(views[0]), measure(views[1])};
+  };
+  if (hints.up_in_reference && hints.up_in_current) {
+    const auto [a, b] = of_both([&](const PlaneView& view) {
+      return angle_deg(view.current_from_reference * *hints.up_in_reference, *hints.up_in_current);
+    });
+    if (const auto k = clearly_smaller(a, b, 3 * vertical_sigma_deg)) return k;
+  }
+  if (hints.up_in_reference) {
+    const auto [a, b] = of_both([&](const PlaneView& view) {
+      const double angle = angle_deg(view.normal, *hints.up_in_reference);
+      return std::min(angle, 180 - angle);
+    });
+    constexpr double kLevel_deg = 10;
+    if (std::min(a, b) < kLevel_deg) {
+      if (const auto k = clearly_smaller(a, b, kLevel_deg)) return k;
+    }
+  }
+  if (hints.prior) {
+    const auto [a, b] = of_both([&](const PlaneView& view) {
+      return angle_between_rad(view.current_from_reference, hints.prior->current_from_reference) /
+             kDegree;
+    });
+    constexpr double kPriorRotation_deg = 2.5;
+    if (const auto k = clearly_smaller(a, b, kPriorRotation_deg)) return k;
+    const auto [c, d] = of_both([&](const PlaneView& view) {
+      return angle_deg(view.translation, hints.prior->direction);
+    });
+    constexpr double kPriorDirection_deg = 25;
+    if (std::min(c, d) < kPriorDirection_deg) return clearly_smaller(c, d, kPriorDirection_deg);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+ModelEvidence weigh_models(const BearingColumns& inliers, const Eigen::Quaterniond& rotation,
+                           const PlaneView& plane, double sigma, double floor) {
+  const double noise = std::hypot(sigma, floor);
+  return {.still = mean_of_cut(inliers, Eigen::Matrix3d::Identity(), noise),
+          .rotation = mean_of_cut(inliers, rotation.toRotationMatrix(), noise),
+          .plane = mean_of_cut(inliers, plane.homography(), noise),
+          .pairs = static_cast<double>(inliers.size()),
+          .floor = floor * floor / (noise * noise)};
+}
+
+ViewModel simplest_model(const ModelEvidence& e) {
+  // a mean that pairs which lie on their epipolar lines by chance may raise, but not noise
+  const double worst = kMeanOfCut + std::max(0.3, 6 * kSigmaOfCut / std::sqrt(e.pairs));
+  const auto stands = [&](double mean) { return mean < worst; };
+  // a larger model is worth its parameters only if it explains more than chance and the floor
+  const auto better = [&](double larger, double smaller, double chance) {
+    return e.pairs * (smaller - larger) > chance + e.pairs * e.floor;
+  };
+  if (stands(e.still) && !better(e.rotation, e.still, kThreeMore) &&
+      !better(e.plane, e.still, kThreeMore + kFiveMore)) {
+    return ViewModel::still;
+  }
+  if (stands(e.rotation) && !better(e.plane, e.rotation, kFiveMore)) {
+    return ViewModel::rotation_only;
+  }
+  return stands(e.plane) ? ViewModel::plane : ViewModel::general;
+}
+
+std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
+                                       const BearingColumns& inliers,
+                                       const RelativePoseHints& hints,
+                                       const RelativePoseConfig& config) {
+  constexpr double kMostAhead = 0.9;
+  std::array<double, 2> part{};
+  const std::array<PlaneView, 2> turned{with_pairs_ahead(views[0], inliers, part[0]),
+                                        with_pairs_ahead(views[1], inliers, part[1])};
+  const bool first = part[0] > kMostAhead, second = part[1] > kMostAhead;
+  if (first != second) return turned[first ? 0 : 1];
+  if (!first) return std::nullopt;
+  const double turn_deg = angle_between_rad(turned[0].current_from_reference,
+                                            turned[1].current_from_reference) /
+                          kDegree;
+  // along the normal both are the same motion, which noise splits
+  if (turn_deg < 0.1 && angle_deg(turned[0].translation, turned[1].translation) < 5) {
+    return turned[0];
+  }
+  const auto k = by_hints(turned, hints, config.vertical_sigma_deg);
+  return k ? std::optional(turned[*k]) : std::nullopt;
+}
+
+}  // namespace stillkite
