@@ -75,8 +75,7 @@ void compare_at(double outliers, int seeds, const RelativePoseConfig& config) {
   std::vector<std::vector<double>> rotation(methods.size()), direction(methods.size()),
       ms(methods.size());
   for (int seed = 1; seed <= seeds; ++seed) {
-    const TwoViews views =
-        make_two_views({.outliers = outliers}, static_cast<std::uint32_t>(seed));
+    const TwoViews views = make_two_views({.outliers = outliers}, static_cast<std::uint32_t>(seed));
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const std::clock_t start = std::clock();
       const RelativePoseEstimate found = methods[m].run(views, static_cast<std::uint32_t>(seed));
@@ -87,8 +86,8 @@ void compare_at(double outliers, int seeds, const RelativePoseConfig& config) {
   }
   fmt::print("\n{:.0f} % outliers, {} seeds: medians, processor time of one thread\n",
              100 * outliers, seeds);
-  fmt::print("{:<28} {:>12} {:>12} {:>12} {:>8} {:>10}\n", "method", "rotation deg",
-             "(largest)", "direction", "ms", "of MAGSAC");
+  fmt::print("{:<28} {:>12} {:>12} {:>12} {:>8} {:>10}\n", "method", "rotation deg", "(largest)",
+             "direction", "ms", "of MAGSAC");
   const double magsac_ms = median_of(ms[4]);
   for (std::size_t m = 0; m < methods.size(); ++m) {
     fmt::print("{:<28} {:>12.4f} {:>12.4f} {:>12.3f} {:>8.3f} {:>10.3f}\n", methods[m].name,
@@ -144,20 +143,21 @@ void print_tally(const std::string& name, const Tally& tally) {
 }
 
 void confusion(int seeds, const RelativePoseConfig& config, bool with_vertical) {
-  fmt::print("\nModels, {}: frames by what was said; % right; largest rotation error, deg; turns "
-             "of t by over 90 deg; translations where there is none\n",
-             with_vertical ? "the vertical known" : "no vertical, no prior");
+  fmt::print(
+      "\nModels, {}: frames by what was said; % right; largest rotation error, deg; turns "
+      "of t by over 90 deg; translations where there is none\n",
+      with_vertical ? "the vertical known" : "no vertical, no prior");
   fmt::print("{:<36} {:>6}", "scene", "frames");
   for (const auto& [model, name] : EnumNames<ViewModel>::value) {
     fmt::print(" {:>{}}", name, std::max<std::size_t>(name.size(), 6));
   }
   fmt::print(" {:>8} {:>10} {:>6} {:>6}\n", "% right", "rotation", "flips", "false");
-  for (const ViewModel content : {ViewModel::still, ViewModel::rotation_only, ViewModel::plane,
-                                  ViewModel::general}) {
+  for (const ViewModel content :
+       {ViewModel::still, ViewModel::rotation_only, ViewModel::plane, ViewModel::general}) {
     Tally above, below;
     const bool moves = content == ViewModel::plane || content == ViewModel::general;
-    const std::vector<double> sizes = moves ? std::vector{0.005, 0.02, 0.05, 0.1, 0.2}
-                                            : std::vector{0.001, 0.01, 0.1};
+    const std::vector<double> sizes =
+        moves ? std::vector{0.005, 0.02, 0.05, 0.1, 0.2} : std::vector{0.001, 0.01, 0.1};
     for (const double size : sizes) {
       for (int k = 0; k < seeds; ++k) {
         const auto seed = static_cast<std::uint32_t>(1000 + k);
@@ -185,11 +185,11 @@ int compare(int argc, char** argv) {
   int seeds = 40;
   RelativePoseConfig config;
   app.add_option("--seeds", seeds)->check(CLI::PositiveNumber)->capture_default_str();
-  RelativePoseConfig::fields(
-      config, [&](const std::string& name, auto& value, const auto&... rest) {
-        app.add_option("--" + name, value)->capture_default_str();
-        ((void)rest, ...);
-      });
+  RelativePoseConfig::fields(config,
+                             [&](const std::string& name, auto& value, const auto&... rest) {
+                               app.add_option("--" + name, value)->capture_default_str();
+                               ((void)rest, ...);
+                             });
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   for (const double outliers : {0.3, 0.6}) compare_at(outliers, seeds, config);

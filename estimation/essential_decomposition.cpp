@@ -15,8 +15,7 @@ struct InFront {
 
 // Depths of the point along both rays, from b depth_b = depth_a R a + t, up to a common positive
 // factor: crossed with b, and with R a.
-InFront count_in_front(const RelativePose& pose, const BearingColumns& pairs,
-                       double least_angle) {
+InFront count_in_front(const RelativePose& pose, const BearingColumns& pairs, double least_angle) {
   const Eigen::Matrix3d R = pose.current_from_reference.toRotationMatrix();
   InFront count;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -14,7 +14,7 @@ namespace stillkite {
 
 /// The one of the four that has most pairs in front of both cameras, of those pairs whose rays meet
 /// at more than `least_angle` (rad; of all where fewer than five do so).
-[[nodiscard]] RelativePose pose_in_front(const Eigen::Matrix3d& E,
-                                         const BearingColumns& pairs, double least_angle);
+[[nodiscard]] RelativePose pose_in_front(const Eigen::Matrix3d& E, const BearingColumns& pairs,
+                                         double least_angle);
 
 }  // namespace stillkite

@@ -12,10 +12,11 @@ namespace stillkite {
 namespace {
 
 // Cutoffs of Tukey's weights in thresholds, wide enough at first for the error of what they start
-// from: a model of five noisy pairs; a prior that is off by some degrees.
+// from: a model of five noisy pairs; a prior that is off by some degrees. A narrow cutoff has false
+// minima, where a few outliers outweigh what the relief tells, so each is followed to its end.
 constexpr std::array<double, 3> kOptimiseDraw{4, 2, 1.5};
 constexpr std::array<double, 5> kOptimiseStart{20, 10, 5, 2.5, 1.5};
-constexpr int kSteps = 2;
+constexpr int kSteps = 6;
 
 int count_below(const std::vector<float>& distances, double from, double to) {
   return static_cast<int>(std::count_if(distances.begin(), distances.end(),
@@ -65,8 +66,7 @@ EssentialFit optimise_start(const BearingColumns& columns, const RelativePose& s
 }
 
 EssentialFit fit_essential(const BearingColumns& columns, double threshold,
-                           const RelativePoseConfig& config,
-                           std::span<const RelativePose> starts) {
+                           const RelativePoseConfig& config, std::span<const RelativePose> starts) {
   EssentialFit best{.cost = static_cast<double>(columns.size())};
   if (columns.size() < 5) return best;
   for (const RelativePose& start : starts) {

@@ -18,8 +18,8 @@ struct EssentialFit {
 
 /// Locally optimised RANSAC with truncated squares (Chum, Matas and Kittler 2003; Torr and
 /// Zisserman 2000, MSAC): each best model so far is refined on all pairs before the next draw. The
-/// `starts` are refined first, and one that `explains` the pairs ends the search. `threshold` on z =
-/// 1.
+/// `starts` are refined first, and one that `explains` the pairs ends the search. `threshold` on z
+/// = 1.
 [[nodiscard]] EssentialFit fit_essential(const BearingColumns& columns, double threshold,
                                          const RelativePoseConfig& config,
                                          std::span<const RelativePose> starts);

@@ -141,10 +141,8 @@ Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view, 
   // of a vector's direction only what stands across it counts
   const Eigen::Vector3d t = view.translation / length;
   Matrix6d to_errors = Matrix6d::Identity();
-  to_errors.bottomRightCorner<3, 3>() =
-      (Eigen::Matrix3d::Identity() - t * t.transpose()) / length;
-  const Matrix6d covariance =
-      to_errors * of_step.topLeftCorner<6, 6>() * to_errors.transpose();
+  to_errors.bottomRightCorner<3, 3>() = (Eigen::Matrix3d::Identity() - t * t.transpose()) / length;
+  const Matrix6d covariance = to_errors * of_step.topLeftCorner<6, 6>() * to_errors.transpose();
   return covariance.allFinite() ? covariance : Matrix6d::Zero();
 }
 

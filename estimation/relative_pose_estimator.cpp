@@ -6,6 +6,7 @@
 
 #include "estimation/essential_decomposition.hpp"
 #include "estimation/essential_ransac.hpp"
+#include "estimation/leverage.hpp"
 #include "estimation/random_draws.hpp"
 #include "estimation/residual_scale.hpp"
 #include "estimation/rotation_view.hpp"
@@ -62,6 +63,8 @@ Refined<Pose> refine_to_noise(const Problem& problem, Pose pose, double sigma_of
   const double widest = kCutoffInThresholds * problem.threshold;
   if (!problem.config.refine) return {pose, widest};
   double cutoff = widest;
+  // from wide to narrow: a narrow cutoff alone has false minima
+  for (const double wide : {4.0, 2.0}) pose = refine(pose, wide * widest);
   double sigma = scale_below(distances(pose), problem.threshold, sigma_of_median);
   for (int i = 0; i < 10; ++i) {
     cutoff = std::clamp(cutoff_in_sigma * sigma, kLeastCutoff, widest);
@@ -100,7 +103,8 @@ RelativePoseEstimate general_estimate(const Problem& problem, const Refined<Rela
   RelativePoseEstimate estimate =
       with_inliers(problem, ViewModel::general, distances, kSigmaOfMedian);
   estimate.pose = pose_in_front(E, inlier_columns(problem, distances), 3 * estimate.residual);
-  estimate.covariance = pose_covariance(problem.columns, estimate.pose, fit.cutoff);
+  estimate.covariance = pose_covariance(
+      with_bounded_leverage(problem.columns, estimate.pose, fit.cutoff), estimate.pose, fit.cutoff);
   return estimate;
 }
 
@@ -112,7 +116,7 @@ RelativePoseEstimate rotation_estimate(const Problem& problem, ViewModel model,
   const Refined<Eigen::Quaterniond> fit = refine_to_noise(
       problem, rotation, kSigmaOfMedianLength, kTukeyCutoffOfLength,
       [&](const Eigen::Quaterniond& q, double cutoff) {
-        return refine_rotation(problem.columns, q, cutoff, 2);
+        return refine_rotation(problem.columns, q, cutoff, 4);
       },
       distances);
   RelativePoseEstimate estimate =
@@ -130,11 +134,11 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const PlaneView& rou
   const Refined<PlaneView> fit = refine_to_noise(
       problem, rough, kSigmaOfMedianLength, kTukeyCutoffOfLength,
       [&](const PlaneView& view, double cutoff) {
-        return refine_plane(problem.columns, view, cutoff, 2);
+        return refine_plane(problem.columns, view, cutoff, 4);
       },
       distances);
-  const std::optional<PlaneView> view = resolve_plane(
-      decompose_homography(fit.pose.homography()), inliers, problem.hints, problem.config);
+  const std::optional<PlaneView> view = resolve_plane(decompose_homography(fit.pose.homography()),
+                                                      inliers, problem.hints, problem.config);
   RelativePoseEstimate estimate =
       with_inliers(problem, view ? ViewModel::plane : ViewModel::undecided, distances(fit.pose),
                    kSigmaOfMedianLength);
@@ -144,8 +148,8 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const PlaneView& rou
   return estimate;
 }
 
-// A scene that is nearly flat has a second, false minimum near the plane's other pose: the better of
-// both is taken.
+// A scene that is nearly flat has a second, false minimum near the plane's other pose: the better
+// of both is taken.
 EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit, const PlaneView& plane) {
   EssentialFit best = fit;
   for (const PlaneView& view : decompose_homography(plane.homography())) {
@@ -158,19 +162,26 @@ EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit, const
   return best;
 }
 
+// On weights of bounded leverage, which a better pose may shift.
 Refined<RelativePose> refine_essential(const Problem& problem, const EssentialFit& fit) {
-  return refine_to_noise(
-      problem, fit.pose, kSigmaOfMedian, kTukeyCutoff,
-      [&](const RelativePose& pose, double cutoff) {
-        return refine_pose(problem.columns, pose, cutoff, 3);
-      },
-      [&](const RelativePose& pose) {
-        return sampson_distances(problem.columns, essential_matrix(pose));
-      });
+  Refined<RelativePose> refined{fit.pose, kCutoffInThresholds * problem.threshold};
+  for (int round = 0; problem.config.refine && round < 2; ++round) {
+    const BearingColumns columns =
+        with_bounded_leverage(problem.columns, refined.pose, refined.cutoff);
+    refined = refine_to_noise(
+        problem, refined.pose, kSigmaOfMedian, kTukeyCutoff,
+        [&](const RelativePose& pose, double cutoff) {
+          return refine_pose(columns, pose, cutoff, 8);
+        },
+        [&](const RelativePose& pose) {
+          return sampson_distances(columns, essential_matrix(pose));
+        });
+  }
+  return refined;
 }
 
-// Where the estimate may start from: the prior, and the rotation that explains at least a quarter of
-// the pairs with the direction in which they are displaced beside it.
+// Where the estimate may start from: the prior, and the rotation that explains at least a quarter
+// of the pairs with the direction in which they are displaced beside it.
 std::vector<RelativePose> starts_of(const Problem& problem, const Eigen::Quaterniond& rotation) {
   std::vector<RelativePose> starts;
   const std::optional<RelativePose>& prior = problem.hints.prior;
@@ -221,10 +232,9 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
       sampson_distances(problem.columns, essential_matrix(refined.pose));
   const BearingColumns inliers = inlier_columns(problem, distances);
   const PlaneView plane = fit_plane(inliers, problem.threshold, kPlaneDraws, random);
-  const ModelEvidence evidence =
-      weigh_models(inliers, refine_rotation(inliers, rotation, 2 * problem.threshold, 3), plane,
-                   scale_below(distances, problem.threshold, kSigmaOfMedian),
-                   config.model_floor_px / focal_px);
+  const ModelEvidence evidence = weigh_models(
+      inliers, refine_rotation(inliers, rotation, 2 * problem.threshold, 3), plane,
+      scale_below(distances, problem.threshold, kSigmaOfMedian), config.model_floor_px / focal_px);
   switch (const ViewModel model = simplest_model(evidence); model) {
     case ViewModel::still:
     case ViewModel::rotation_only:

@@ -53,14 +53,14 @@ Eigen::Quaterniond fit_rotation(const BearingColumns& columns, double threshold,
   if (columns.size() < 2) return Eigen::Quaterniond::Identity();
   // two noisy pairs turn the far side of the picture by more than the threshold
   const double wide = 3 * threshold;
-  double best_cost = truncated_transfer_cost(columns, best, wide,
-                                             static_cast<double>(columns.size()));
+  double best_cost =
+      truncated_transfer_cost(columns, best, wide, static_cast<double>(columns.size()));
   for (int i = 0; i < draws; ++i) {
     const auto [p, q] = random.distinct<2>(columns.size());
-    const Eigen::Matrix3d from = triad({columns.ax[p], columns.ay[p], 1},
-                                       {columns.ax[q], columns.ay[q], 1});
-    const Eigen::Matrix3d to = triad({columns.bx[p], columns.by[p], 1},
-                                     {columns.bx[q], columns.by[q], 1});
+    const Eigen::Matrix3d from =
+        triad({columns.ax[p], columns.ay[p], 1}, {columns.ax[q], columns.ay[q], 1});
+    const Eigen::Matrix3d to =
+        triad({columns.bx[p], columns.by[p], 1}, {columns.bx[q], columns.by[q], 1});
     const Eigen::Matrix3d R = to * from.transpose();
     if (!R.allFinite()) continue;
     const double cost = truncated_transfer_cost(columns, R, wide, best_cost);

@@ -22,8 +22,8 @@ namespace stillkite {
                                            const Eigen::Quaterniond& current_from_reference,
                                            double cutoff);
 
-/// The direction that the pairs within `cutoff` of the rotation are displaced along, up to its sign:
-/// the eigenvector of sum m m^T with the least eigenvalue, m = b x R a.
+/// The direction that the pairs within `cutoff` of the rotation are displaced along, up to its
+/// sign: the eigenvector of sum m m^T with the least eigenvalue, m = b x R a.
 [[nodiscard]] Eigen::Vector3d direction_beside(const BearingColumns& columns,
                                                const Eigen::Quaterniond& current_from_reference,
                                                double cutoff);

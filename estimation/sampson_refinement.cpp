@@ -53,7 +53,7 @@ RelativePose refine_pose(const BearingColumns& columns, RelativePose pose, doubl
     if (!(length < 1e6)) return pose;
     if (length > kLargestStep_rad) step *= kLargestStep_rad / length;
     pose = apply(pose, step);
-    if (length < 1e-10) break;
+    if (length < 1e-7) break;
   }
   return pose;
 }

@@ -22,7 +22,7 @@ using PoseStep = Eigen::Matrix<double, 5, 1>;
 [[nodiscard]] Eigen::Matrix<double, 9, 5> essential_jacobian(const RelativePose& pose);
 
 /// Gauss-Newton on the Sampson errors over rotation and direction with Tukey's weights, from a pose
-/// that is near: at most so many steps, fewer once they are below 1e-10. Where a step is singular
+/// that is near: at most so many steps, fewer once they are below 1e-7. Where a step is singular
 /// the pose stays as it is.
 [[nodiscard]] RelativePose refine_pose(const BearingColumns& columns, RelativePose pose,
                                        double cutoff, int steps);

@@ -146,15 +146,13 @@ double transfer_error(const Eigen::Matrix3d& H, const BearingPair& pair) {
   const Eigen::Vector3d moved = H * pair.reference.homogeneous();
   if (!(moved.z() > 1e-6)) return std::numeric_limits<double>::infinity();
   const Eigen::Vector2d at = moved.hnormalized();
-  const Eigen::Matrix2d A =
-      (H.topLeftCorner<2, 2>() - at * H.bottomLeftCorner<1, 2>()) / moved.z();
+  const Eigen::Matrix2d A = (H.topLeftCorner<2, 2>() - at * H.bottomLeftCorner<1, 2>()) / moved.z();
   const Eigen::Matrix2d C = Eigen::Matrix2d::Identity() + A * A.transpose();
   const Eigen::Vector2d r = pair.current - at;
   return std::sqrt(r.dot(C.ldlt().solve(r)));
 }
 
-TransferSums transfer_sums(const BearingColumns& columns, const Eigen::Matrix3d& H,
-                           double cutoff) {
+TransferSums transfer_sums(const BearingColumns& columns, const Eigen::Matrix3d& H, double cutoff) {
   const RowMajorHomography rows = H;
   std::array<double, 49> sum{};
   HWY_DYNAMIC_DISPATCH(transfer_sums_kernel)(columns, rows.data(), 1 / (cutoff * cutoff), sum);

@@ -7,14 +7,15 @@
 
 namespace stillkite {
 
-/// Distance of a pair to a homography b ~ H a, first order in the noise of both points: d^2 = r^T (I
-/// + A A^T)^-1 r with r = b - pi(H a), A = d pi(H a)/da. d / sigma has the distribution chi with two
-/// degrees of freedom, sigma the noise of a coordinate. Hartley and Zisserman 2004, eq. (4.13).
+/// Distance of a pair to a homography b ~ H a, first order in the noise of both points: d^2 = r^T
+/// (I
+/// + A A^T)^-1 r with r = b - pi(H a), A = d pi(H a)/da. d / sigma has the distribution chi with
+/// two degrees of freedom, sigma the noise of a coordinate. Hartley and Zisserman 2004, eq. (4.13).
 /// Infinite where H a lies behind the camera.
 [[nodiscard]] double transfer_error(const Eigen::Matrix3d& H, const BearingPair& pair);
 
-/// What a step of iteratively reweighted least squares over H needs, with Tukey's weights of u = d^2
-/// / cutoff^2; as SampsonSums, for two components.
+/// What a step of iteratively reweighted least squares over H needs, with Tukey's weights of u =
+/// d^2 / cutoff^2; as SampsonSums, for two components.
 struct TransferSums {
   Matrix9d normal = Matrix9d::Zero();    ///< sum w G^T (I + A A^T)^-1 G, G = d pi(H a)/dH
   Vector9d gradient = Vector9d::Zero();  ///< sum w G^T (I + A A^T)^-1 (pi(H a) - b)

@@ -80,9 +80,8 @@ std::optional<std::size_t> by_hints(const std::array<PlaneView, 2>& views,
     });
     constexpr double kPriorRotation_deg = 2.5;
     if (const auto k = clearly_smaller(a, b, kPriorRotation_deg)) return k;
-    const auto [c, d] = of_both([&](const PlaneView& view) {
-      return angle_deg(view.translation, hints.prior->direction);
-    });
+    const auto [c, d] = of_both(
+        [&](const PlaneView& view) { return angle_deg(view.translation, hints.prior->direction); });
     constexpr double kPriorDirection_deg = 25;
     if (std::min(c, d) < kPriorDirection_deg) return clearly_smaller(c, d, kPriorDirection_deg);
   }
@@ -130,9 +129,9 @@ std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
   const bool first = part[0] > kMostAhead, second = part[1] > kMostAhead;
   if (first != second) return turned[first ? 0 : 1];
   if (!first) return std::nullopt;
-  const double turn_deg = angle_between_rad(turned[0].current_from_reference,
-                                            turned[1].current_from_reference) /
-                          kDegree;
+  const double turn_deg =
+      angle_between_rad(turned[0].current_from_reference, turned[1].current_from_reference) /
+      kDegree;
   // along the normal both are the same motion, which noise splits
   if (turn_deg < 0.1 && angle_deg(turned[0].translation, turned[1].translation) < 5) {
     return turned[0];
