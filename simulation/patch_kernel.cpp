@@ -12,8 +12,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most kTilePadding lanes, so that a padded row is a whole number of vectors.
-using F = hn::CappedTag<float, kTilePadding>;
+// A row of a tile is a whole number of vectors.
+using F = hn::CappedTag<float, BearingSegment::kColumns>;
 using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
 using VF = hn::Vec<F>;
@@ -68,8 +68,10 @@ HWY_INLINE VF sample(const PatchView& patch, int number, VF u, VF v) {
                      hn::Sub(at_v, hn::ConvertTo(f, row)));
 }
 
-// Between two levels by the logarithm of the footprint (trilinear). `seen`: where it matters.
-HWY_INLINE VF shade(const PatchView& patch, VF x, VF y, Mask seen) {
+// From the pyramid level of the logarithm of the footprint, rounded up for as many samples of a
+// pixel as its fraction says: their mean goes over from level to level, for one read a sample.
+// `seen`: where it matters.
+HWY_INLINE VF shade(const PatchView& patch, VF x, VF y, float round_up, Mask seen) {
   const F f;
   const I i;
   const VF inverse_depth = hn::IfThenElse(seen, along(patch.inverse_depth, x, y), hn::Set(f, 1.0F));
@@ -80,34 +82,34 @@ HWY_INLINE VF shade(const PatchView& patch, VF x, VF y, Mask seen) {
     u = reflect(u, patch.levels[0].width);
     v = reflect(v, patch.levels[0].height);
   }
-  const VF area = hn::IfThenElseZero(seen, hn::Mul(hn::Mul(hn::Mul(depth, depth), depth),
-                                                   hn::Set(f, patch.texels_per_cubed_depth)));
-  if (hn::AllTrue(f, hn::Le(area, hn::Set(f, 1.0F)))) return sample(patch, 0, u, v);
-
+  const VF area =
+      hn::Mul(hn::Mul(hn::Mul(depth, depth), depth), hn::Set(f, patch.texels_per_cubed_depth));
   // the bits of a float are, but for scale and offset, its logarithm, linear between powers of two
   const VF bits = hn::ConvertTo(f, hn::BitCast(i, hn::Max(area, hn::Set(f, 1.0F))));
   const VF logarithm = hn::MulAdd(bits, hn::Set(f, 0x1.0p-24F), hn::Set(f, -63.5F));
-  const int last = patch.level_count - 1;
-  const VF level = hn::Min(hn::Max(logarithm, hn::Zero(f)), hn::Set(f, static_cast<float>(last)));
-  const VF fine = hn::Floor(level);
-  const VF ratio = hn::Sub(level, fine);
-  const int lowest = static_cast<int>(hn::GetLane(hn::MinOfLanes(f, fine)));
-  const int highest = static_cast<int>(hn::GetLane(hn::MaxOfLanes(f, fine)));
+  const auto last = static_cast<float>(patch.level_count - 1);
+  const VF level = hn::Min(hn::Floor(hn::Add(logarithm, hn::Set(f, round_up))), hn::Set(f, last));
+  const float first = hn::GetLane(level);
+  if (hn::AllTrue(f, hn::Eq(level, hn::Set(f, first)))) {
+    return sample(patch, static_cast<int>(first), u, v);
+  }
+  const int lowest = static_cast<int>(hn::GetLane(hn::MinOfLanes(f, level)));
+  const int highest = static_cast<int>(hn::GetLane(hn::MaxOfLanes(f, level)));
   VF grey = hn::Zero(f);
   for (int number = lowest; number <= highest; ++number) {
-    const VF here = blend(sample(patch, number, u, v),
-                          sample(patch, number < last ? number + 1 : last, u, v), ratio);
-    grey = hn::IfThenElse(hn::Eq(fine, hn::Set(f, static_cast<float>(number))), here, grey);
+    const Mask here = hn::And(seen, hn::Eq(level, hn::Set(f, static_cast<float>(number))));
+    if (hn::AllFalse(f, here)) continue;
+    grey = hn::IfThenElse(here, sample(patch, number, u, v), grey);
   }
   return grey;
 }
 
-HWY_INLINE VF nearest_of(const PatchTile& tile, VF x, VF y) {
+HWY_INLINE VF nearest_of(const PatchTileRow& row, VF x, VF y, float round_up) {
   const F f;
   VF nearest = hn::Zero(f);  // in inverse depth
   VF winner = hn::Set(f, -1.0F);
-  for (int k = 0; k < tile.candidate_count; ++k) {
-    const PatchView& patch = *tile.candidates[k];
+  for (int k = 0; k < row.candidate_count; ++k) {
+    const PatchView& patch = *row.candidates[k];
     const VF inverse_depth = along(patch.inverse_depth, x, y);
     const VF u = along(patch.u, x, y);
     const VF v = along(patch.v, x, y);
@@ -119,26 +121,35 @@ HWY_INLINE VF nearest_of(const PatchTile& tile, VF x, VF y) {
     nearest = hn::IfThenElse(wins, inverse_depth, nearest);
     winner = hn::IfThenElse(wins, hn::Set(f, static_cast<float>(k)), winner);
   }
-  VF grey = hn::Set(f, tile.background_grey);
-  for (int k = 0; k < tile.candidate_count; ++k) {
+  VF grey = hn::Set(f, row.background_grey);
+  for (int k = 0; k < row.candidate_count; ++k) {
     const Mask seen = hn::Eq(winner, hn::Set(f, static_cast<float>(k)));
     if (hn::AllFalse(f, seen)) continue;
-    grey = hn::IfThenElse(seen, shade(*tile.candidates[k], x, y, seen), grey);
+    grey = hn::IfThenElse(seen, shade(*row.candidates[k], x, y, round_up, seen), grey);
     if (hn::AllTrue(f, seen)) break;
   }
   return grey;
 }
 
-void add_row(const PatchTile& tile, const PatchTileRow& row) {
+HWY_INLINE VF cubic(const std::array<float, 4>& a, VF t) {
+  const F f;
+  const VF upper = hn::MulAdd(hn::Set(f, a[3]), t, hn::Set(f, a[2]));
+  return hn::MulAdd(hn::MulAdd(upper, t, hn::Set(f, a[1])), t, hn::Set(f, a[0]));
+}
+
+void add_row(const PatchTileRow& row) {
   const F f;
   const Mask everywhere = hn::Eq(hn::Zero(f), hn::Zero(f));
-  for (int column = 0; column < tile.columns; column += static_cast<int>(hn::Lanes(f))) {
+  constexpr int kColumns = BearingSegment::kColumns;
+  for (int column = 0; column < kColumns; column += static_cast<int>(hn::Lanes(f))) {
+    const VF pixel = hn::Iota(f, static_cast<float>(column) - 0.5F * (kColumns - 1));
     VF sum = hn::LoadU(f, row.grey + column);
-    for (int k = 0; k < tile.samples; ++k) {
-      const VF x = hn::LoadU(f, row.x[k] + column);
-      const VF y = tile.even_y ? hn::Set(f, *row.y[k]) : hn::LoadU(f, row.y[k] + column);
-      sum = hn::Add(sum, tile.covered ? shade(*tile.candidates[0], x, y, everywhere)
-                                      : nearest_of(tile, x, y));
+    for (int k = 0; k < row.samples; ++k) {
+      const VF t = hn::Add(pixel, hn::Set(f, row.offsets[k]));
+      const VF x = cubic(row.segments[k]->x, t);
+      const VF y = cubic(row.segments[k]->y, t);
+      sum = hn::Add(sum, row.covered ? shade(*row.candidates[0], x, y, row.round_up[k], everywhere)
+                                     : nearest_of(row, x, y, row.round_up[k]));
     }
     hn::StoreU(sum, f, row.grey + column);
   }
@@ -153,8 +164,8 @@ namespace stillkite {
 
 HWY_EXPORT(add_row);
 
-void add_tile_row(const PatchTile& tile, const PatchTileRow& row) {
-  HWY_DYNAMIC_DISPATCH(add_row)(tile, row);
+void add_tile_row(const PatchTileRow& row) {
+  HWY_DYNAMIC_DISPATCH(add_row)(row);
 }
 
 }  // namespace stillkite

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "simulation/bearing_table.hpp"
 #include "simulation/ground_texture.hpp"
 
 namespace stillkite {
@@ -15,33 +16,27 @@ struct PatchView {
   std::array<float, 3> v{};
   float width_texels = 0;  ///< of the rectangle, which may be more than the picture's
   float height_texels = 0;
-  float texels_per_cubed_depth = 0;  ///< a sample covers depth^3 times this, in texels of area
+  float texels_per_cubed_depth = 0;  ///< a pixel covers depth^3 times this, in square texels
   bool mirrored = false;             ///< the rectangle is larger than the picture
   const std::uint32_t* words = nullptr;
   const GroundTexture::Level* levels = nullptr;
   int level_count = 1;
 };
 
-/// A few rows of neighbouring pixels and the patches that may be seen there.
-struct PatchTile {
+/// Samples of neighbouring pixels in one row, and the patches that may be seen there.
+struct PatchTileRow {
   const PatchView* const* candidates = nullptr;
   int candidate_count = 0;
   bool covered = false;  ///< by its only candidate
   float background_grey = 0;
-  int columns = 0;  ///< a multiple of kTilePadding
-  int samples = 0;
-  bool even_y = false;  ///< y of a sample is one value a row
-};
-inline constexpr int kTilePadding = 16;
-
-/// Bearings of one row of a tile: a pointer a sample.
-struct PatchTileRow {
-  const float* const* x = nullptr;
-  const float* const* y = nullptr;
-  float* grey = nullptr;  ///< to which the samples' values are added
+  int samples = 0;                                  ///< a pixel
+  const BearingSegment* const* segments = nullptr;  ///< a sample
+  const float* offsets = nullptr;                   ///< of a sample from its pixel, along the row
+  const float* round_up = nullptr;  ///< of a sample: added to its pyramid level before the floor
+  float* grey = nullptr;  ///< of BearingSegment::kColumns pixels; the samples' values are added
 };
 
 /// With the widest vector instructions of this processor, chosen at run time.
-void add_tile_row(const PatchTile& tile, const PatchTileRow& row);
+void add_tile_row(const PatchTileRow& row);
 
 }  // namespace stillkite

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <string>
 
 #include "geometry/fields.hpp"
@@ -13,68 +12,88 @@
 namespace stillkite {
 namespace {
 
-constexpr int kTileColumns = 32;
+constexpr int kTileColumns = BearingSegment::kColumns;
 constexpr int kTileRows = 16;
-static_assert(kTileColumns % kTilePadding == 0);
+constexpr int kMaxSamples = 16;
 
-struct PixelBlock {
-  int first_column = 0;
-  int columns = 0;
+float at(const std::array<float, 4>& cubic, float t) {
+  return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]));
+}
+
+BearingBounds bounds_between(const Eigen::Array2f& low, const Eigen::Array2f& high, bool sees_all) {
+  constexpr float kRounding = 1e-6F;
+  return {.centre_x = 0.5F * (low.x() + high.x()),
+          .centre_y = 0.5F * (low.y() + high.y()),
+          .reach_x = 0.5F * (high.x() - low.x()) + kRounding,
+          .reach_y = 0.5F * (high.y() - low.y()) + kRounding,
+          .sees_all = sees_all};
+}
+
+BearingBounds bounds_of(const BearingTable& bearings, int first_row, int rows, int first_segment,
+                        int segments) {
+  Eigen::Array2f low = Eigen::Array2f::Constant(std::numeric_limits<float>::max());
+  Eigen::Array2f high = -low;
+  bool sees_all = true;
+  const int samples_a_row = kTileColumns * bearings.supersampling;
+  for (int k = 0; k < rows * bearings.supersampling * segments; ++k) {
+    const BearingSegment& piece =
+        bearings.row(first_row, k / segments)[first_segment + k % segments];
+    if (std::isnan(piece.x[0])) {
+      sees_all = false;
+      continue;
+    }
+    for (int sample = 0; sample < samples_a_row; ++sample) {
+      const auto t =
+          static_cast<float>((sample + 0.5) / bearings.supersampling - 0.5 * kTileColumns);
+      const Eigen::Array2f bearing(at(piece.x, t), at(piece.y, t));
+      low = low.min(bearing);
+      high = high.max(bearing);
+    }
+  }
+  return bounds_between(low, high, sees_all);
+}
+
+// Evenly within (0, 1) over the samples of a pixel, in an order unlike theirs.
+float rounding_of(int sample, int samples) {
+  const int place = sample * (samples / 2 + 1) % samples;
+  return (static_cast<float>(place) + 0.5F) / static_cast<float>(samples);
+}
+
+struct TilePlace {
   int first_row = 0;
   int rows = 0;
+  int segment = 0;
 };
 
-BearingBounds bounds_of(const SampleBearings& bearings, const PixelBlock& block) {
-  constexpr float kHuge = std::numeric_limits<float>::max();
-  BearingBounds bounds{kHuge, -kHuge, kHuge, -kHuge};
-  for (int row = block.first_row; row < block.first_row + block.rows; ++row) {
-    for (int sample = 0; sample < bearings.samples; ++sample) {
-      const float* x = bearings.x_row(row, sample);
-      const float* y = bearings.y_row(row, sample);
-      for (int column = block.first_column; column < block.first_column + block.columns; ++column) {
-        const float at_x = x[column];
-        const float at_y = bearings.separable ? *y : y[column];
-        if (std::isnan(at_x)) {
-          bounds.sees_all = false;
-          continue;
-        }
-        bounds.low_x = std::min(bounds.low_x, at_x);
-        bounds.high_x = std::max(bounds.high_x, at_x);
-        bounds.low_y = std::min(bounds.low_y, at_y);
-        bounds.high_y = std::max(bounds.high_y, at_y);
-      }
-    }
-  }
-  return bounds;
-}
-
-BearingBounds united(const BearingBounds& a, const BearingBounds& b) {
-  return {std::min(a.low_x, b.low_x), std::max(a.high_x, b.high_x), std::min(a.low_y, b.low_y),
-          std::max(a.high_y, b.high_y), a.sees_all && b.sees_all};
-}
-
-// What a tile shows at one instant is added to `light`, rows of kTileColumns.
-void add_instant(const SampleBearings& bearings, const VisiblePatches& visible,
-                 const PixelBlock& block, int instant, int instants, float background_grey,
-                 float* light) {
-  std::array<const float*, SampleBearings::kMaxSamples> x{};
-  std::array<const float*, SampleBearings::kMaxSamples> y{};
-  const PatchTile tile{.candidates = visible.patches.data(),
-                       .candidate_count = static_cast<int>(visible.patches.size()),
-                       .covered = visible.covered,
-                       .background_grey = background_grey,
-                       .columns = block.columns,
-                       .samples = bearings.samples / instants,
-                       .even_y = bearings.separable};
-  for (int row = 0; row < block.rows; ++row) {
-    const int picture_row = block.first_row + row;
-    for (int k = 0; k < tile.samples; ++k) {
+// What a tile shows at one of the instants that share the samples of a pixel.
+using TileLight = std::array<float, kTileColumns * kTileRows>;
+TileLight with_instant(const TileLight& before, const BearingTable& bearings,
+                       const VisiblePatches& visible, const TilePlace& place, int instant,
+                       int instants, float background_grey) {
+  TileLight light = before;
+  const int supersampling = bearings.supersampling;
+  const int samples = supersampling * supersampling / instants;
+  std::array<const BearingSegment*, kMaxSamples> segments{};
+  std::array<float, kMaxSamples> offsets{};
+  std::array<float, kMaxSamples> round_up{};
+  for (int row = 0; row < place.rows; ++row) {
+    for (int k = 0; k < samples; ++k) {
       const int sample = k * instants + instant;
-      x[k] = bearings.x_row(picture_row, sample) + block.first_column;
-      y[k] = bearings.y_row(picture_row, sample) + (bearings.separable ? 0 : block.first_column);
+      segments[k] = bearings.row(place.first_row + row, sample / supersampling) + place.segment;
+      round_up[k] = rounding_of(sample, supersampling * supersampling);
+      offsets[k] = static_cast<float>(sample_offset(sample % supersampling, supersampling));
     }
-    add_tile_row(tile, {.x = x.data(), .y = y.data(), .grey = light + row * kTileColumns});
+    add_tile_row({.candidates = visible.patches.data(),
+                  .candidate_count = static_cast<int>(visible.patches.size()),
+                  .covered = visible.covered,
+                  .background_grey = background_grey,
+                  .samples = samples,
+                  .segments = segments.data(),
+                  .offsets = offsets.data(),
+                  .round_up = round_up.data(),
+                  .grey = &light[row * kTileColumns]});
   }
+  return light;
 }
 
 std::vector<const PatchView*> pointers_to(const std::vector<PatchView>& views) {
@@ -87,17 +106,13 @@ std::vector<const PatchView*> pointers_to(const std::vector<PatchView>& views) {
 }  // namespace
 
 PatchRenderer::PatchRenderer(const Camera& camera, int supersampling)
-    : camera_(camera), bearings_(tabulate_bearings(camera, supersampling, kTilePadding)) {
+    : camera_(camera), bearings_(tabulate_bearings(camera, supersampling)) {
   for (int row = 0; row < camera.height_px; row += kTileRows) {
-    std::optional<BearingBounds> band;
-    for (int column = 0; column < bearings_.padded_width; column += kTileColumns) {
-      const BearingBounds tile =
-          bounds_of(bearings_, {column, std::min(kTileColumns, bearings_.padded_width - column),
-                                row, std::min(kTileRows, camera.height_px - row)});
-      tiles_.push_back(tile);
-      band = band ? united(*band, tile) : tile;
+    const int rows = std::min(kTileRows, camera.height_px - row);
+    bands_.push_back(bounds_of(bearings_, row, rows, 0, bearings_.segments_a_row));
+    for (int segment = 0; segment < bearings_.segments_a_row; ++segment) {
+      tiles_.push_back(bounds_of(bearings_, row, rows, segment, 1));
     }
-    bands_.push_back(*band);
   }
 }
 
@@ -107,25 +122,24 @@ cv::Mat PatchRenderer::render(const PatchScene& scene,
 }
 
 cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) const {
-  if (shutter.instants < 1 || bearings_.samples % shutter.instants != 0) {
+  const int samples = bearings_.supersampling * bearings_.supersampling;
+  if (shutter.instants < 1 || samples % shutter.instants != 0) {
     throw InputError("shutter: " + std::to_string(shutter.instants) +
-                     " instants do not divide the " + std::to_string(bearings_.samples) +
-                     " samples a pixel");
+                     " instants do not divide the " + std::to_string(samples) + " samples a pixel");
   }
   const int instants = shutter.instants;
-  const double sample_focal_px =
-      bearings_.supersampling * std::min(camera_.focal_x_px, camera_.focal_y_px);
+  const double focal_px = std::min(camera_.focal_x_px, camera_.focal_y_px);
   std::vector<std::vector<PatchView>> views;
   for (int k = 0; k < instants; ++k) {
     views.push_back(
         make_patch_views(scene,
                          interpolate(shutter.world_from_camera_at_opening,
                                      shutter.world_from_camera_at_closing, (k + 0.5) / instants),
-                         sample_focal_px));
+                         focal_px));
   }
 
   cv::Mat picture(camera_.height_px, camera_.width_px, CV_32FC1);
-  const float share = 1.0F / static_cast<float>(bearings_.samples);
+  const float share = 1.0F / static_cast<float>(samples);
   const auto background = static_cast<float>(scene.background_grey);
   std::vector<VisiblePatches> in_band(instants);
   std::size_t tile = 0;
@@ -135,18 +149,17 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
     for (int k = 0; k < instants; ++k) {
       in_band[k] = visible_within(pointers_to(views[k]), bands_[band]);
     }
-    for (int column = 0; column < bearings_.padded_width; column += kTileColumns, ++tile) {
-      const PixelBlock block{column, std::min(kTileColumns, bearings_.padded_width - column),
-                             first_row, rows};
-      std::array<float, kTileColumns * kTileRows> light{};
+    for (int segment = 0; segment < bearings_.segments_a_row; ++segment, ++tile) {
+      TileLight light{};
       for (int k = 0; k < instants; ++k) {
-        add_instant(bearings_, visible_within(in_band[k].patches, tiles_[tile]), block, k, instants,
-                    background, light.data());
+        light = with_instant(light, bearings_, visible_within(in_band[k].patches, tiles_[tile]),
+                             {first_row, rows, segment}, k, instants, background);
       }
-      const int columns = std::min(block.columns, camera_.width_px - column);
+      const int first_column = segment * kTileColumns;
+      const int columns = std::min(kTileColumns, camera_.width_px - first_column);
       for (int row = 0; row < rows; ++row) {
         std::transform(&light[row * kTileColumns], &light[row * kTileColumns] + columns,
-                       picture.ptr<float>(first_row + row) + column,
+                       picture.ptr<float>(first_row + row) + first_column,
                        [share](float sum) { return share * sum; });
       }
     }

@@ -5,9 +5,9 @@
 
 #include "geometry/camera.hpp"
 #include "geometry/rigid_transform.hpp"
+#include "simulation/bearing_table.hpp"
 #include "simulation/patch_scene.hpp"
 #include "simulation/patch_view.hpp"
-#include "simulation/sample_bearings.hpp"
 
 namespace stillkite {
 
@@ -35,7 +35,7 @@ class PatchRenderer {
 
  private:
   Camera camera_;
-  SampleBearings bearings_;
+  BearingTable bearings_;
   std::vector<BearingBounds> bands_;  // of rows of tiles
   std::vector<BearingBounds> tiles_;  // row by row
 };

@@ -1,7 +1,7 @@
 #include "simulation/patch_view.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace stillkite {
@@ -13,14 +13,15 @@ Functional functional(const Eigen::Vector3d& a) {
   return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z())};
 }
 
-float lowest(const Functional& a, const BearingBounds& in) {
-  return std::min(a[0] * in.low_x, a[0] * in.high_x) + std::min(a[1] * in.low_y, a[1] * in.high_y) +
-         a[2];
-}
+struct Span {
+  float low = 0;
+  float high = 0;
+};
 
-float highest(const Functional& a, const BearingBounds& in) {
-  return std::max(a[0] * in.low_x, a[0] * in.high_x) + std::max(a[1] * in.low_y, a[1] * in.high_y) +
-         a[2];
+Span span_of(const Functional& a, const BearingBounds& in) {
+  const float middle = a[0] * in.centre_x + a[1] * in.centre_y + a[2];
+  const float reach = std::abs(a[0]) * in.reach_x + std::abs(a[1]) * in.reach_y;
+  return {middle - reach, middle + reach};
 }
 
 // scale a - b
@@ -29,7 +30,7 @@ Functional scaled_difference(float scale, const Functional& a, const Functional&
 }
 
 std::optional<PatchView> view_of(const Patch& patch, const RigidTransform& camera_from_world,
-                                 double sample_focal_px) {
+                                 double focal_px) {
   const Eigen::Matrix3d R = camera_from_world.rotation.toRotationMatrix();
   const Eigen::Vector3d corner = camera_from_world * patch.corner_in_world_m;
   const Eigen::Vector3d right = R * patch.right_in_world_m.normalized();
@@ -53,7 +54,7 @@ std::optional<PatchView> view_of(const Patch& patch, const RigidTransform& camer
                    .height_texels = static_cast<float>(height),
                    // an element of the plane z = 1 covers depth^3 / distance of the patch
                    .texels_per_cubed_depth = static_cast<float>(
-                       1 / (distance_m * sample_focal_px * sample_focal_px * texel_m * texel_m)),
+                       1 / (distance_m * focal_px * focal_px * texel_m * texel_m)),
                    .mirrored = width > finest.width - 1 || height > finest.height - 1,
                    .words = texture.words(),
                    .levels = texture.levels().data(),
@@ -62,29 +63,28 @@ std::optional<PatchView> view_of(const Patch& patch, const RigidTransform& camer
 
 enum class Overlap { none, some, all };
 
-Overlap overlap_of(const PatchView& patch, const BearingBounds& bounds) {
-  if (highest(patch.inverse_depth, bounds) <= 0) return Overlap::none;
-  Overlap overlap =
-      bounds.sees_all && lowest(patch.inverse_depth, bounds) > 0 ? Overlap::all : Overlap::some;
+Overlap overlap_of(const PatchView& patch, const Span& inverse_depth, const BearingBounds& bounds) {
+  if (inverse_depth.high <= 0) return Overlap::none;
+  bool all = bounds.sees_all && inverse_depth.low > 0;
   for (const Functional& inside :
        {patch.u, patch.v, scaled_difference(patch.width_texels, patch.inverse_depth, patch.u),
         scaled_difference(patch.height_texels, patch.inverse_depth, patch.v)}) {
-    if (highest(inside, bounds) < 0) return Overlap::none;
-    if (!(lowest(inside, bounds) > 0)) overlap = Overlap::some;
+    const Span span = span_of(inside, bounds);
+    if (span.high < 0) return Overlap::none;
+    all = all && span.low > 0;
   }
-  return overlap;
+  return all ? Overlap::all : Overlap::some;
 }
 
 }  // namespace
 
 std::vector<PatchView> make_patch_views(const PatchScene& scene,
-                                        const RigidTransform& world_from_camera,
-                                        double sample_focal_px) {
+                                        const RigidTransform& world_from_camera, double focal_px) {
   const RigidTransform camera_from_world = world_from_camera.inverse();
   std::vector<PatchView> views;
   views.reserve(scene.patches.size());
   for (const Patch& patch : scene.patches) {
-    const std::optional<PatchView> view = view_of(patch, camera_from_world, sample_focal_px);
+    const std::optional<PatchView> view = view_of(patch, camera_from_world, focal_px);
     if (view) views.push_back(*view);
   }
   return views;
@@ -96,18 +96,18 @@ VisiblePatches visible_within(const std::vector<const PatchView*>& patches,
   const PatchView* cover = nullptr;  // of those that fill the bounds, the surely nearest one
   float cover_inverse_depth = 0;
   for (const PatchView* patch : patches) {
-    const Overlap overlap = overlap_of(*patch, bounds);
+    const Span inverse_depth = span_of(patch->inverse_depth, bounds);
+    const Overlap overlap = overlap_of(*patch, inverse_depth, bounds);
     if (overlap == Overlap::none) continue;
     visible.patches.push_back(patch);
-    const float least = lowest(patch->inverse_depth, bounds);
-    if (overlap == Overlap::all && least > cover_inverse_depth) {
+    if (overlap == Overlap::all && inverse_depth.low > cover_inverse_depth) {
       cover = patch;
-      cover_inverse_depth = least;
+      cover_inverse_depth = inverse_depth.low;
     }
   }
   if (cover) {
     std::erase_if(visible.patches, [&](const PatchView* patch) {
-      return patch != cover && highest(patch->inverse_depth, bounds) < cover_inverse_depth;
+      return patch != cover && span_of(patch->inverse_depth, bounds).high < cover_inverse_depth;
     });
   }
   visible.covered = cover && visible.patches.size() == 1;

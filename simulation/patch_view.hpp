@@ -8,18 +8,18 @@
 
 namespace stillkite {
 
-/// The patches whose front one camera may see. `sample_focal_px`: focal length in samples, for the
-/// pyramid level.
+/// The patches whose front one camera may see. `focal_px` gives the pyramid level: a texel
+/// of it is about a pixel.
 [[nodiscard]] std::vector<PatchView> make_patch_views(const PatchScene& scene,
                                                       const RigidTransform& world_from_camera,
-                                                      double sample_focal_px);
+                                                      double focal_px);
 
 /// The rectangle of the plane z = 1 in which the bearings of some samples lie.
 struct BearingBounds {
-  float low_x = 0;
-  float high_x = 0;
-  float low_y = 0;
-  float high_y = 0;
+  float centre_x = 0;
+  float centre_y = 0;
+  float reach_x = 0;  ///< to either side
+  float reach_y = 0;
   bool sees_all = true;  ///< no sample that the lens cannot see
 };
 

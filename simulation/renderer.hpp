@@ -4,12 +4,12 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <vector>
 
 #include "geometry/camera.hpp"
 #include "geometry/rigid_transform.hpp"
 #include "simulation/ground_texture.hpp"
 #include "simulation/relief.hpp"
-#include "simulation/sample_bearings.hpp"
 
 namespace stillkite {
 
@@ -44,12 +44,17 @@ class Renderer {
                                const std::optional<VehiclePlacement>& vehicle = {}) const;
 
  private:
+  void tabulate_pinhole();
+  void tabulate_lens();
   void render_strip(const RenderView& frame_view, int first_column, int count,
                     cv::Mat& picture) const;
 
   Camera camera_;
   int supersampling_;
-  SampleBearings bearings_;
+  int padded_width_;
+  // Rows of padded_width_ bearings. A pinhole's x is the same in all rows, its y within one.
+  std::vector<float> x_;
+  std::vector<float> y_;
 };
 
 }  // namespace stillkite

@@ -15,51 +15,56 @@ constexpr double kHeight_m = 4;
 
 constexpr Material kFloor{{.grey = 118,
                            .grain_grey = 7,
-                           .tile_width = 170,
-                           .tile_height = 34,
+                           .tile_width = 114,
+                           .tile_height = 23,
                            .tile_grey = 11,
                            .joint_grey = -40,
-                           .marks_a_megatexel = 1400,
-                           .mark_size = 9,
+                           .marks_a_megatexel = 2400,
+                           .mark_size = 7,
                            .mark_grey = 70},
-                          0.006};
+                          0.009};
 constexpr Material kWall{
-    {.grey = 168, .grain_grey = 6, .marks_a_megatexel = 900, .mark_size = 14, .mark_grey = 85},
-    0.006};
+    {.grey = 168, .grain_grey = 6, .marks_a_megatexel = 1900, .mark_size = 10, .mark_grey = 85},
+    0.009};
 constexpr Material kCeiling{{.grey = 195,
                              .grain_grey = 3,
-                             .tile_width = 100,
-                             .tile_height = 100,
+                             .tile_width = 67,
+                             .tile_height = 67,
                              .tile_grey = 6,
                              .joint_grey = -55,
-                             .marks_a_megatexel = 500,
-                             .mark_size = 7,
+                             .marks_a_megatexel = 1100,
+                             .mark_size = 5,
                              .mark_grey = 45},
-                            0.006};
+                            0.009};
 constexpr Material kCarton{
-    {.grey = 126, .grain_grey = 5, .marks_a_megatexel = 1500, .mark_size = 20, .mark_grey = 95}};
+    {.grey = 126, .grain_grey = 5, .marks_a_megatexel = 2500, .mark_size = 15, .mark_grey = 95},
+    0.0055};
 constexpr Material kCabinet{{.grey = 96,
                              .grain_grey = 4,
-                             .tile_width = 140,
-                             .tile_height = 90,
+                             .tile_width = 100,
+                             .tile_height = 65,
                              .tile_grey = 14,
                              .joint_grey = -50,
                              .marks_a_megatexel = 900,
-                             .mark_size = 18,
-                             .mark_grey = 90}};
+                             .mark_size = 13,
+                             .mark_grey = 90},
+                            0.0055};
 constexpr Material kShelf{{.grey = 90,
                            .grain_grey = 6,
-                           .tile_width = 12,
-                           .tile_height = 70,
+                           .tile_width = 9,
+                           .tile_height = 50,
                            .tile_grey = 45,
                            .joint_grey = -50,
                            .marks_a_megatexel = 900,
-                           .mark_size = 10,
-                           .mark_grey = 90}};
+                           .mark_size = 8,
+                           .mark_grey = 90},
+                          0.0055};
 constexpr Material kTable{
-    {.grey = 150, .grain_grey = 7, .marks_a_megatexel = 1200, .mark_size = 18, .mark_grey = 90}};
+    {.grey = 150, .grain_grey = 7, .marks_a_megatexel = 2200, .mark_size = 13, .mark_grey = 90},
+    0.0055};
 constexpr Material kPoster{
-    {.grey = 205, .grain_grey = 6, .marks_a_megatexel = 1600, .mark_size = 22, .mark_grey = 180}};
+    {.grey = 205, .grain_grey = 6, .marks_a_megatexel = 2800, .mark_size = 16, .mark_grey = 180},
+    0.0055};
 
 void add_shell(SceneBuilder& builder) {
   const double half = std::numbers::pi / 2;
