@@ -130,6 +130,7 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
   const int instants = shutter.instants;
   const double focal_px = std::min(camera_.focal_x_px, camera_.focal_y_px);
   std::vector<std::vector<PatchView>> views;
+  views.reserve(instants);
   for (int k = 0; k < instants; ++k) {
     views.push_back(
         make_patch_views(scene,
