@@ -1,0 +1,35 @@
+#include "evaluation/trial_statistics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace stillkite {
+namespace {
+
+TEST(TrialStatistics, OfASymmetricTriangle) {
+  // d runs evenly through [-2, 2]: mean |d| is 1, the deviation of d is 2 / sqrt(3)
+  std::vector<double> d;
+  for (int i = 0; i <= 40000; ++i) d.push_back(-2 + 1e-4 * i);
+  const auto found = displacement_statistics(d);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->mean_m, 1, 1e-4);
+  EXPECT_NEAR(found->std_m, 2 / std::sqrt(3), 1e-4);
+  EXPECT_DOUBLE_EQ(found->max_m, 2);
+  EXPECT_EQ(found->samples, 40001);
+}
+
+TEST(TrialStatistics, AnOffsetCountsInTheMeanAndNotInTheDeviation) {
+  const auto found = displacement_statistics(std::vector<double>{-0.3, -0.3, -0.3});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->mean_m, 0.3, 1e-15);
+  EXPECT_NEAR(found->std_m, 0, 1e-15);
+}
+
+TEST(TrialStatistics, OfNothing) {
+  EXPECT_FALSE(displacement_statistics({}));
+}
+
+}  // namespace
+}  // namespace stillkite

@@ -1,0 +1,208 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "geometry/angle.hpp"
+#include "navigation/navigator.hpp"
+#include "simulation/camera_mount.hpp"
+#include "simulation/develop.hpp"
+#include "simulation/patch_renderer.hpp"
+#include "simulation/room_scene.hpp"
+
+namespace stillkite {
+namespace {
+
+const RigidTransform kMount = camera_raised_forward(80);
+
+Camera small_camera() {
+  return {.width_px = 400,
+          .height_px = 240,
+          .focal_x_px = 240,
+          .focal_y_px = 240,
+          .centre_x_px = 199.5,
+          .centre_y_px = 119.5,
+          .distortion = DistortionModel::radial_tangential,
+          .coefficients = {-0.2, 0.04, 1e-4, -1e-4}};
+}
+
+/// A camera in the room, its body level.
+class RoomView {
+ public:
+  RoomView() : scene_(make_room(5)), renderer_(small_camera(), 2) {}
+
+  [[nodiscard]] cv::Mat picture(const RigidTransform& world_from_body, int seed) const {
+    return develop(renderer_.render(scene_, world_from_body * kMount), {.noise_grey = 1.5}, seed);
+  }
+
+ private:
+  PatchScene scene_;
+  PatchRenderer renderer_;
+};
+
+const RoomView& room() {
+  static const RoomView view;
+  return view;
+}
+
+RigidTransform at(const Eigen::Vector3d& position_m, double yaw_deg) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_deg * kDegree, Eigen::Vector3d::UnitZ())),
+          position_m};
+}
+
+const Eigen::Vector3d kHome(0, 0, 1.8);
+
+Frame frame_of(const cv::Mat& picture, int index) {
+  return {.stamp = from_seconds(index / 30.0), .index = index, .grey = picture};
+}
+
+Navigator make_reference_navigator(Mode mode = Mode::recommended,
+                                   const ReferenceConfig& reference = {}) {
+  NavigatorConfig config;
+  config.reference = reference;
+  return {small_camera(),
+          kMount,
+          config,
+          {.world_from_body = at(kHome, 0)},
+          {.policy = Policy::reference, .mode = mode}};
+}
+
+// Between the estimated and the true rotation from the reference, and between the two ways.
+struct ReferenceErrors {
+  double rotation_deg;
+  double direction_deg;
+};
+ReferenceErrors errors_of(const NavigationEstimate& estimate, const RigidTransform& truth) {
+  const RigidTransform way = (at(kHome, 0) * kMount).inverse() * (truth * kMount);
+  const MotionEstimate& motion = estimate.reference->motion;
+  const Eigen::Vector3d a = motion.displacement_in_reference;
+  const Eigen::Vector3d b = way.translation;
+  return {angle_between_rad(motion.reference_from_camera, way.rotation) / kDegree,
+          std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree};
+}
+
+TEST(ReferenceNavigator, TellsRotationAndDirectionFromAFixedReference) {
+  Navigator navigator = make_reference_navigator();
+  EXPECT_EQ(navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0)).verdict,
+            Verdict::first_frame);
+  for (int i = 1; i <= 10; ++i) {
+    const RigidTransform truth = at(kHome + Eigen::Vector3d(0.02, -0.05, 0.03) * i, 0.4 * i);
+    const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, i), i));
+    ASSERT_EQ(estimate.verdict, Verdict::ok) << i;
+    EXPECT_EQ(estimate.scale, ScaleSource::none);
+    if (i < 4) continue;
+    EXPECT_EQ(estimate.reference->motion.displacement_kind, DisplacementKind::direction) << i;
+    EXPECT_LT(errors_of(estimate, truth).rotation_deg, 0.2) << i;
+    EXPECT_LT(errors_of(estimate, truth).direction_deg, 3) << i;
+  }
+}
+
+TEST(ReferenceNavigator, TheHoldPapersChainTellsTheSameLessWell) {
+  ReferenceConfig paper;
+  paper.detector = DetectorConfig{};
+  paper.association = Association::opencv;
+  paper.solver = PoseSolver::opencv;
+  Navigator navigator = make_reference_navigator(Mode::paper, paper);
+  (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
+  const RigidTransform truth = at(kHome + Eigen::Vector3d(0.2, -0.4, 0.1), 2);
+  const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, 1), 1));
+  ASSERT_EQ(estimate.verdict, Verdict::ok);
+  EXPECT_LT(errors_of(estimate, truth).rotation_deg, 2);
+  EXPECT_LT(errors_of(estimate, truth).direction_deg, 20);
+}
+
+TEST(ReferenceNavigator, ACameraThatStandsStillHasGoneNowhere) {
+  Navigator navigator = make_reference_navigator();
+  for (int i = 0; i < 8; ++i) {
+    const NavigationEstimate estimate =
+        navigator.step(frame_of(room().picture(at(kHome, 0), i), i));
+    if (i == 0) continue;
+    EXPECT_EQ(estimate.verdict, Verdict::ok) << i;
+    EXPECT_EQ(estimate.reference->motion.displacement_kind, DisplacementKind::zero) << i;
+    EXPECT_LT(errors_of(estimate, at(kHome, 0)).rotation_deg, 0.1) << i;
+  }
+}
+
+TEST(ReferenceNavigator, ATurnOnTheSpotIsNoWay) {
+  Navigator navigator = make_reference_navigator();
+  for (int i = 0; i < 6; ++i) {
+    const RigidTransform truth = at(kHome, 1.5 * i);
+    const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, i), i));
+    if (i == 0) continue;
+    ASSERT_EQ(estimate.verdict, Verdict::ok) << i;
+    EXPECT_LT(errors_of(estimate, truth).rotation_deg, 0.2) << i;
+    EXPECT_EQ(estimate.reference->motion.displacement_kind, DisplacementKind::zero) << i;
+  }
+}
+
+TEST(ReferenceNavigator, AJumpIsRejectedThreeTimes) {
+  Navigator navigator = make_reference_navigator();
+  (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
+  (void)navigator.step(frame_of(room().picture(at(kHome, 0.2), 1), 1));
+  for (int i = 2; i < 8; ++i) {
+    const NavigationEstimate estimate =
+        navigator.step(frame_of(room().picture(at(kHome, 9), i), i));
+    EXPECT_EQ(estimate.verdict, i < 5 ? Verdict::gated : Verdict::ok) << i;
+  }
+}
+
+TEST(ReferenceNavigator, SeesHomeAgainAfterTheCameraWasCovered) {
+  Navigator navigator = make_reference_navigator();
+  const RigidTransform away = at(kHome + Eigen::Vector3d(0.1, 0.3, 0), 1);
+  (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
+  double covered_sigma = 0;
+  for (int i = 1; i < 30; ++i) {
+    const bool is_covered = i >= 8 && i < 25;
+    const cv::Mat picture =
+        is_covered ? cv::Mat(240, 400, CV_8UC1, cv::Scalar(i))
+                   : room().picture(at(kHome + i * 0.01 * kHome.unitOrthogonal(), 0), i);
+    const NavigationEstimate estimate = navigator.step(frame_of(picture, i));
+    ASSERT_TRUE(estimate.pose_covariance.allFinite());
+    EXPECT_EQ(estimate.verdict == Verdict::ok, !is_covered) << i;
+    if (is_covered) {
+      EXPECT_EQ(estimate.reference->motion.status, EstimateStatus::lost);
+      EXPECT_GT(estimate.pose_covariance(5, 5), covered_sigma);
+      covered_sigma = estimate.pose_covariance(5, 5);
+    } else {
+      EXPECT_TRUE(estimate.reference->is_home);
+    }
+  }
+}
+
+TEST(ReferenceNavigator, CarriesRotationToANewReference) {
+  ReferenceConfig config;
+  config.renew_every_frames = 3;
+  Navigator navigator = make_reference_navigator(Mode::recommended, config);
+  for (int i = 0; i <= 12; ++i) {
+    const RigidTransform truth = at(kHome + Eigen::Vector3d(0, 0.03, 0.01) * i, 1.0 * i);
+    const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, i), i));
+    EXPECT_LT(angle_between_rad(estimate.world_from_body.rotation, truth.rotation) / kDegree, 0.3)
+        << i;
+    EXPECT_EQ(estimate.reference->new_reference, i % 3 == 0) << i;
+    EXPECT_EQ(estimate.reference->is_home, i <= 3) << i;
+  }
+}
+
+TEST(ReferenceNavigator, AFrozenPictureTellsNothing) {
+  Navigator navigator = make_reference_navigator();
+  const cv::Mat picture = room().picture(at(kHome, 0), 0);
+  (void)navigator.step(frame_of(picture, 0));
+  const NavigationEstimate estimate = navigator.step(frame_of(picture.clone(), 1));
+  EXPECT_EQ(estimate.verdict, Verdict::frozen);
+  EXPECT_EQ(estimate.reference->motion.status, EstimateStatus::lost);
+}
+
+TEST(ReferenceNavigator, WaitsForAPictureThatShowsSomething) {
+  Navigator navigator = make_reference_navigator();
+  for (int i = 0; i < 3; ++i) {
+    const cv::Mat grey(240, 400, CV_8UC1, cv::Scalar(10 * i));
+    EXPECT_EQ(navigator.step(frame_of(grey, i)).verdict, Verdict::too_little_texture);
+  }
+  EXPECT_TRUE(
+      navigator.step(frame_of(room().picture(at(kHome, 0), 3), 3)).reference->new_reference);
+  EXPECT_EQ(navigator.step(frame_of(room().picture(at(kHome, 0.5), 4), 4)).verdict, Verdict::ok);
+}
+
+}  // namespace
+}  // namespace stillkite

@@ -1,0 +1,88 @@
+#include "simulation/hover_trial.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "evaluation/trial_statistics.hpp"
+
+namespace stillkite {
+namespace {
+
+// A short and coarse flight: the station goes 0.2 m out, back, and the other way.
+HoverConfig short_trials() {
+  HoverConfig config;
+  SimulatedCameraConfig& camera = config.plant.camera;
+  camera.width_px = 400;
+  camera.height_px = 240;
+  camera.focal_x_px = camera.focal_y_px = 240;
+  camera.centre_x_px = 199.5;
+  camera.centre_y_px = 119.5;
+  camera.frames_per_s = 15;
+  config.plant.station.level_reach_m = 0.2;
+  return config;
+}
+
+const HoverWorld& world() {
+  static const HoverWorld made = make_hover_world(short_trials());
+  return made;
+}
+
+double mean_displacement_m(const TrialRecord& record) {
+  std::vector<double> d;
+  for (const TrialSample& sample : record.samples) {
+    d.push_back(sample.displacement_in_world_m.dot(paper_axis_in_world(record.trial.axis)));
+  }
+  return displacement_statistics(d)->mean_m;
+}
+
+TEST(HoverTrial, WithoutStabilizationTheDroneFollowsItsStation) {
+  const TrialRecord record = fly_trial(short_trials(), world(), {.stabilized = false});
+  ASSERT_GT(record.samples.size(), 80U);
+  for (const TrialSample& sample : record.samples) {
+    const Eigen::Vector3d way = sample.station_in_world_m - record.samples[0].station_in_world_m;
+    EXPECT_LT((sample.displacement_in_world_m - way).norm(), 1e-6);
+    EXPECT_EQ(sample.action, HoldAction::hold);
+  }
+}
+
+TEST(HoverTrial, WithStabilizationItStaysAndFliesTheSameAgain) {
+  const HoverConfig config = short_trials();
+  const TrialRecord off = fly_trial(config, world(), {.stabilized = false});
+  const TrialRecord on = fly_trial(config, world(), {.seed = 3});
+  EXPECT_LT(mean_displacement_m(on), 0.7 * mean_displacement_m(off));
+  const TrialRecord again = fly_trial(config, world(), {.seed = 3});
+  ASSERT_EQ(on.samples.size(), again.samples.size());
+  for (std::size_t i = 0; i < on.samples.size(); ++i) {
+    EXPECT_EQ(on.samples[i].displacement_in_world_m, again.samples[i].displacement_in_world_m);
+  }
+}
+
+TEST(HoverTrial, TheObserverSeesEveryPictureInItsTurn) {
+  HoverConfig config = short_trials();
+  config.cycle = {.period_s = 0.2, .compute_s = 0.1};
+  int seen = 0;
+  Timestamp last{-1};
+  const TrialRecord record =
+      fly_trial(config, world(), {},
+                [&](const Frame& frame, const NavigationEstimate& estimate, const HoldDecision&) {
+                  EXPECT_GT(frame.stamp, last);
+                  EXPECT_EQ(estimate.stamp, frame.stamp);
+                  last = frame.stamp;
+                  ++seen;
+                });
+  EXPECT_NEAR(seen, record.samples.back().t_s / 0.2, 2);
+}
+
+TEST(HoverTrial, TrialsAreThePapersTwelve) {
+  const std::vector<Trial> trials = make_trials({});
+  ASSERT_EQ(trials.size(), 12U);
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    EXPECT_EQ(trials[i].axis, static_cast<PaperAxis>(i / 4));
+    EXPECT_EQ(trials[i].stabilized, i % 4 < 3);
+    for (std::size_t k = 0; k < i; ++k) EXPECT_NE(trials[i].seed, trials[k].seed);
+  }
+}
+
+}  // namespace
+}  // namespace stillkite
