@@ -1,13 +1,10 @@
 // Time charts that zoom and point together.
 
-const kAxisWidth = 46;
 const charts = [];
 let timeWindow = null;  // null: the whole flight
 let pointed = null;     // sample under the pointer
 const windowListeners = [];
 const pointListeners = [];
-
-const finite = value => Number.isNaN(value) ? null : value;
 
 // Lines: {label, column, color, width, band: column of standard deviations}. Without a column it is
 // zero, with its band about it. The band's edges are series of their own, so that a chart's range
@@ -85,24 +82,11 @@ function setPoint(row, source) {
   for (const listener of pointListeners) listener();
 }
 
-// One finger scrolls the page, two zoom the chart.
-const kTwoFingers = Object.fromEntries(['touchstart', 'touchmove', 'touchend'].map(kind => [kind,
-  (event, graph, context) => {
-    if (kind === 'touchend' || event.touches.length > 1) {
-      Dygraph.defaultInteractionModel[kind](event, graph, context);
-    }
-  }]));
-
 // Only the lowest chart of a card carries the time axis.
 function addChart(card, title, unit, lines, {height = 110, range = null, stacked = false, timeAxis = false} = {}) {
   const drawn = present(lines);
   if (!drawn.length) return;
-  const values = element('span', {className: 'readout'});
-  const plot = element('div', {className: 'plot'});
-  plot.style.height = `${height + (timeAxis ? 18 : 0)}px`;
-  card.append(element('div', {className: 'chart'}, element('div', {className: 'chart-head'},
-    element('span', {textContent: unit ? `${title}, ${unit}` : title}), values), plot));
-
+  const {plot, readout: values} = addPlot(card, title, unit, height + (timeAxis ? 18 : 0));
   const chart = {range, visible: true, stale: false, busy: true, lines: drawn};
   const last = timeRange => Math.abs(timeRange[0] - time[0]) < 1e-6 && Math.abs(timeRange[1] - duration) < 1e-6;
   const options = {
@@ -116,17 +100,8 @@ function addChart(card, title, unit, lines, {height = 110, range = null, stacked
     valueRange: range,
     includeZero: stacked,
     fillAlpha: 0.55,
-    legend: 'never',
-    gridLineColor: color('grid'),
-    axisLineColor: color('line'),
-    axisLabelFontSize: 11,
-    highlightCircleSize: 3,
     dateWindow: timeWindow,
-    axes: {
-      x: {axisLabelFormatter: t => `${shown(t)} s`, pixelsPerLabel: 70, drawAxis: timeAxis},
-      y: {axisLabelWidth: kAxisWidth, pixelsPerLabel: 18, axisLabelFormatter: value => shown(value)}
-    },
-    interactionModel: {...Dygraph.defaultInteractionModel, ...kTwoFingers},
+    ...plotOptions({timeAxis, pixelsPerLabel: 18}),
     highlightCallback: (event, t, points, row) => setPoint(row, chart),
     unhighlightCallback: () => setPoint(null, chart),
     drawCallback: (graph, initial) => {
@@ -167,12 +142,4 @@ function watchVisibility() {
     }
   }, {rootMargin: '200px'});
   document.querySelectorAll('.plot').forEach(plot => observer.observe(plot));
-}
-
-function addKeys(card, keys) {
-  card.append(element('div', {className: 'keys'}, ...keys.map(([label, name, kind]) => {
-    const mark = element('i', {className: kind || ''});
-    mark.style[kind === 'band' || kind === 'point' ? 'background' : 'borderColor'] = `var(--${name})`;
-    return element('span', {className: 'key'}, mark, label);
-  })));
 }

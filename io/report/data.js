@@ -2,17 +2,11 @@
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const summary = data.summary || {};
-const lengthUnit = data.length_unit;
-const speedUnit = `${lengthUnit}/s`;
 
 const decode = text => new Float32Array(
   Uint8Array.from(atob(text), character => character.charCodeAt(0)).buffer);
 const decodeAll = texts => Object.fromEntries(
   Object.entries(texts).map(([name, text]) => [name, decode(text)]));
-const columns = decodeAll(data.columns);
-const path = decodeAll(data.path);
-const time = columns.time_s || new Float32Array();
-const duration = time.length ? time[time.length - 1] : 0;
 
 const byId = id => document.getElementById(id);
 const color = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
@@ -31,8 +25,6 @@ function shown(value, digits = 4) {
   if (size >= 1e6 || size < 1e-5) return value.toExponential(2);
   return size >= 10 ** (digits - 1) ? value.toFixed(0) : String(Number(value.toPrecision(digits)));
 }
-
-const degrees = value => typeof value === 'number' ? value * 180 / Math.PI : undefined;
 
 // A canvas that fills its place, sharp on any screen, and its 2-D context in CSS pixels.
 function fitCanvas(place, height) {

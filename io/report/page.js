@@ -87,8 +87,7 @@ byId('reset').addEventListener('click', () => setWindow(null, null));
 window.addEventListener('resize', drawCanvases);
 window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
   for (const chart of charts) {
-    chart.graph.updateOptions({colors: colorsOf(chart.lines),
-                               gridLineColor: color('grid'), axisLineColor: color('line')});
+    chart.graph.updateOptions({colors: colorsOf(chart.lines), ...plotColors()});
   }
   drawCanvases();
 });

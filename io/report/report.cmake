@@ -1,4 +1,4 @@
-# Compiles the report's page, its scripts and dygraphs (MIT) into stillkite_io.
+# Compiles the reports' pages, their scripts and dygraphs (MIT) into stillkite_io.
 find_file(STILLKITE_DYGRAPHS_JS dygraph.min.js
           PATHS /usr/share/javascript/dygraphs /usr/local/share/javascript/dygraphs)
 find_file(STILLKITE_DYGRAPHS_CSS dygraph.min.css
@@ -18,9 +18,10 @@ add_custom_command(
           -P ${CMAKE_CURRENT_LIST_DIR}/embed.cmake
   DEPENDS ${CMAKE_CURRENT_LIST_DIR}/embed.cmake ${report_files} ${STILLKITE_DYGRAPHS_JS}
           ${STILLKITE_DYGRAPHS_CSS}
-  COMMENT "Embedding the report's page"
+  COMMENT "Embedding the reports' pages"
   VERBATIM)
 set_source_files_properties(${report_assets} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_sources(stillkite_io PRIVATE
-  ${report_assets} base64.cpp decimation.cpp report.cpp report_series.cpp)
+  ${report_assets} base64.cpp decimation.cpp hover_distribution.cpp hover_report.cpp report.cpp
+  report_page.cpp report_series.cpp)
 target_link_libraries(stillkite_io PUBLIC nlohmann_json::nlohmann_json)

@@ -1,7 +1,7 @@
-// The numbers of summary.json, as tiles and tables.
+// Tiles and tables of numbers.
 
-function tile(name, value, unit, note) {
-  const number = element('div', {className: 'value'}, shown(value), ' ',
+function tile(name, value, unit, note, digits = 4) {
+  const number = element('div', {className: 'value'}, shown(value, digits), ' ',
                          element('span', {className: 'unit', textContent: unit}));
   const parts = [element('div', {className: 'name', textContent: name}), number];
   if (note) parts.push(element('div', {className: 'note', textContent: note}));
@@ -14,61 +14,4 @@ function table(head, rows) {
   const body = element('table', {}, element('thead', {}, cells('th', head)),
                        element('tbody', {}, ...rows.map(row => cells('td', row))));
   return element('div', {className: 'scroll'}, body);
-}
-
-function drawHeadline() {
-  const frames = summary.frames || {};
-  const timing = summary.timing || {};
-  const frameTime = timing.frame_ms || {};
-  const scale = summary.scale || {};
-  const memory = summary.memory || {};
-  const evaluation = summary.evaluation;
-  const tiles = [];
-  if (evaluation) {
-    tiles.push(
-      tile('Drift', evaluation.drift_percent, '%', `of a path of ${shown(evaluation.path_length_m)} m`),
-      tile('Position RMSE', evaluation.position_rmse_m, lengthUnit, `${evaluation.matched} frames with truth`),
-      tile('End error', evaluation.end_error_horizontal_m, lengthUnit,
-           `vertical ${shown(evaluation.end_error_vertical_m)} ${lengthUnit}`),
-      tile('Tilt RMSE', degrees(evaluation.tilt_rmse_rad), '°', `yaw ${shown(degrees(evaluation.yaw_rmse_rad))}°`));
-  }
-  tiles.push(
-    tile('Frames used', frames.used, `of ${frames.read ?? '–'}`, `${frames.rejected ?? '–'} rejected`),
-    tile('Time per frame', frameTime.median, 'ms', `99 % below ${shown(frameTime.p99)} ms`),
-    tile('Throughput', timing.frames_per_s, 'frames/s', 'with decoding'),
-    tile('Peak memory', memory.peak_rss_mib, 'MiB'));
-  byId('headline').append(...tiles);
-
-  const source = {none: 'no scale: lengths are in initial heights'}[scale.source] ||
-    (scale.source ? `scale from ${scale.source.replaceAll('_', ' ')}` : '');
-  byId('subtitle').textContent = [`${shown(duration)} s`, source,
-    data.decimated ? 'charts show the extremes of each stretch of a long flight' : '']
-    .filter(Boolean).join(' · ');
-  byId('summary').textContent = JSON.stringify(summary, null, 2);
-}
-
-function drawErrorTable() {
-  const evaluation = summary.evaluation;
-  if (!evaluation) {
-    byId('error_table').remove();
-    return;
-  }
-  const rows = [];
-  for (const [name, key, unit] of [['Velocity', 'velocity', 'm_s'], ['Angular rate', 'angular_rate', 'rad_s']]) {
-    const of = (figure, axis) => (evaluation[figure] || [])[axis];
-    for (const axis of [0, 1, 2]) {
-      rows.push([`${name} ${'xyz'[axis]}, ${unit.replace('_', '/')}`, of(`${key}_rmse_${unit}`, axis),
-                 of(`${key}_median_abs_error_${unit}`, axis), of(`${key}_correlation`, axis)]);
-    }
-  }
-  byId('error_table').append(element('h3', {textContent: 'In the camera frame'}),
-    table(['', 'RMSE', 'median |error|', 'correlation'], rows));
-  const nees = Object.entries(evaluation.nees || {}).filter(([, value]) => value);
-  if (nees.length) {
-    byId('error_table').append(
-      element('h3', {textContent: 'Honesty of the covariance (NEES)'}),
-      table(['', 'mean', 'expected', 'inside 95 %'],
-            nees.map(([name, value]) => [name.replaceAll('_', ' '), value.mean, value.degrees_of_freedom,
-                                         `${shown(100 * value.share_inside, 3)} %`])));
-  }
 }

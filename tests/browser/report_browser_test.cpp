@@ -1,46 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <limits>
-#include <regex>
 
-#include "headless_browser.hpp"
+#include "browser_test.hpp"
 #include "synthetic_flight.hpp"
-#include "tests/io/temporary_folder.hpp"
 
 namespace stillkite {
 namespace {
 
-/// The attribute data-NAME of the page's root; nothing where the script never set it.
-std::optional<std::string> root_data(const std::string& dom, const std::string& name) {
-  std::smatch found;
-  const std::regex pattern("<html[^>]* data-" + name + "=\"([^\"]*)\"");
-  if (!std::regex_search(dom, found, pattern)) return std::nullopt;
-  return found[1];
-}
-
-int count(const std::string& text, const std::string& part) {
-  int n = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
-  return n;
-}
-
-class ReportInBrowser : public testing::Test {
- protected:
-  void SetUp() override {
-    browser_ = find_browser();
-    if (!browser_) GTEST_SKIP() << "no chromium here";
-  }
-
-  std::string show(const std::string& html) {
-    const auto page = folder_.path() / "report.html";
-    std::ofstream(page) << html;
-    return rendered(*browser_, page, folder_.path());
-  }
-
-  std::optional<std::string> browser_;
-  TemporaryFolder folder_;
-};
+using ReportInBrowser = BrowserTest;
 
 TEST_F(ReportInBrowser, draws_every_chart_of_a_flight_with_truth) {
   const SyntheticFlight flight = synthetic_flight(3750);

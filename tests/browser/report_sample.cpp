@@ -1,9 +1,10 @@
-// Writes reports of a made-up flight, to look at them: report_sample FOLDER
+// Writes reports of a made-up flight and of made-up trials, to look at them: report_sample FOLDER
 #include <exception>
 #include <filesystem>
 #include <iostream>
 
 #include "synthetic_flight.hpp"
+#include "synthetic_trials.hpp"
 
 namespace {
 
@@ -17,6 +18,9 @@ void write_samples(const std::filesystem::path& folder) {
   const auto marathon = stillkite::synthetic_flight(90000);
   write_report(folder / "long.html", marathon.content("marathon.mp4", true),
                synthetic_summary(marathon));
+  const auto trials = stillkite::synthetic_trials();
+  write_hover_report(folder / "hover.html", trials.content("trials_paper.yaml"),
+                     synthetic_hover_summary(trials));
 }
 
 }  // namespace

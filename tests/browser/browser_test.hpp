@@ -1,0 +1,47 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <optional>
+#include <regex>
+#include <string>
+
+#include "headless_browser.hpp"
+#include "tests/io/temporary_folder.hpp"
+
+namespace stillkite {
+
+/// The attribute data-NAME of the page's root; nothing where the script never set it.
+inline std::optional<std::string> root_data(const std::string& dom, const std::string& name) {
+  std::smatch found;
+  const std::regex pattern("<html[^>]* data-" + name + "=\"([^\"]*)\"");
+  if (!std::regex_search(dom, found, pattern)) return std::nullopt;
+  return found[1];
+}
+
+inline int count(const std::string& text, const std::string& part) {
+  int n = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+/// Shows pages in an installed browser; skipped without one.
+class BrowserTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    browser_ = find_browser();
+    if (!browser_) GTEST_SKIP() << "no chromium here";
+  }
+
+  std::string show(const std::string& html) {
+    const auto page = folder_.path() / "report.html";
+    std::ofstream(page) << html;
+    return rendered(*browser_, page, folder_.path());
+  }
+
+  std::optional<std::string> browser_;
+  TemporaryFolder folder_;
+};
+
+}  // namespace stillkite

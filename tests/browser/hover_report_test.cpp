@@ -1,0 +1,99 @@
+#include "io/hover_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+#include "io/hover_distribution.hpp"
+#include "synthetic_trials.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+HoverReportTrial trial_at(int moved_axis, bool stabilized,
+                          const std::vector<Eigen::Vector3d>& displacements_m) {
+  HoverReportTrial trial{.moved_axis = moved_axis, .stabilized = stabilized};
+  for (const Eigen::Vector3d& displacement_m : displacements_m) {
+    trial.samples.push_back({.displacement_m = displacement_m});
+  }
+  return trial;
+}
+
+std::size_t page_size(const SyntheticTrials& trials) {
+  return hover_report_html(trials.content("trials"), synthetic_hover_summary(trials)).size();
+}
+
+TEST(DisplacementHistogram, counts_the_moved_axis_in_cells_about_zero) {
+  const std::vector<HoverReportTrial> trials{
+      trial_at(0, true, {{0, 9, 9}, {0.024, 9, 9}, {-0.024, 9, 9}, {0.026, 9, 9}, {-0.12, 9, 9}}),
+      trial_at(0, true, {{0.01, 0, 0}}), trial_at(0, false, {{1, 0, 0}, {kNaN, 0, 0}}),
+      trial_at(2, true, {{1, 0, 0}})};
+  const CellCounts counts = displacement_histogram(trials, 0);
+  EXPECT_EQ(counts.size_m, 0.05);
+  EXPECT_EQ(counts.on, (std::map<int, int>{{-2, 1}, {0, 4}, {1, 1}}));
+  EXPECT_EQ(counts.off, (std::map<int, int>{{20, 1}}));
+}
+
+TEST(DisplacementHistogram, coarsens_until_sixty_cells_reach_the_farthest) {
+  const auto size_m = [](double d_m) {
+    const std::vector<HoverReportTrial> trials{trial_at(1, false, {{0, -d_m, 0}})};
+    return displacement_histogram(trials, 1).size_m;
+  };
+  EXPECT_DOUBLE_EQ(size_m(2.9), 0.05);
+  EXPECT_DOUBLE_EQ(size_m(3.1), 0.1);
+  EXPECT_DOUBLE_EQ(size_m(7), 0.2);
+  EXPECT_DOUBLE_EQ(size_m(29), 0.5);
+  EXPECT_GE(60 * size_m(1e30), 1e30);
+  EXPECT_EQ(size_m(std::numeric_limits<double>::infinity()), 0.05);
+}
+
+// The paper's figure 3: x-y for the sets along x and y, z-y for the one along z.
+TEST(DisplacementHeat, lies_in_the_upright_plane_of_the_set) {
+  const Eigen::Vector3d d_m(0.1, 0.2, 0.3);
+  for (const int axis : {0, 1, 2}) {
+    const std::vector<HoverReportTrial> trials{trial_at(axis, true, {d_m, d_m})};
+    const PlaneCounts counts = displacement_heat(trials, axis);
+    const std::array<int, 2> cell{axis == 2 ? 6 : 2, 4};
+    EXPECT_EQ(counts.on, (std::map<std::array<int, 2>, int>{{cell, 2}}));
+    EXPECT_TRUE(counts.off.empty());
+  }
+}
+
+TEST(HoverReport, stays_below_3_MB) {
+  SyntheticTrials trials = synthetic_trials();
+  EXPECT_LT(page_size(trials), 3'000'000U);
+  // five times as many, three times as long, every one with large pictures
+  for (HoverReportTrial& trial : trials.trials) {
+    const std::vector<HoverReportSample> samples = trial.samples;
+    for (int i = 0; i < 2; ++i) {
+      trial.samples.insert(trial.samples.end(), samples.begin(), samples.end());
+    }
+    trial.pictures.assign(100, {0, std::vector<std::uint8_t>(20'000)});
+  }
+  const std::vector<HoverReportTrial> once = trials.trials;
+  for (int i = 0; i < 4; ++i) {
+    trials.trials.insert(trials.trials.end(), once.begin(), once.end());
+  }
+  EXPECT_LT(page_size(trials), 3'000'000U);
+}
+
+TEST(HoverReport, loads_nothing_from_anywhere) {
+  const SyntheticTrials trials = synthetic_trials();
+  const std::string html =
+      hover_report_html(trials.content("trials"), synthetic_hover_summary(trials));
+  for (const char* loader : {"<script src", " src=", "<link", "@import", "url("}) {
+    EXPECT_EQ(html.find(loader), std::string::npos) << loader;
+  }
+}
+
+TEST(HoverReport, refuses_an_axis_that_is_none) {
+  const std::vector<HoverReportTrial> trials{trial_at(0, true, {}), {.moved_axis = 3}};
+  EXPECT_THROW(static_cast<void>(hover_report_html({.title = "", .trials = trials}, {})),
+               std::out_of_range);
+}
+
+}  // namespace
+}  // namespace stillkite
