@@ -27,7 +27,7 @@ function extent(lines, from, to) {
 function drawGrid({context, view, map, scale, height, width}, {x: nameX, y: nameY, down = false},
                   {line = color('grid'), inside = color('soft')} = {}) {
   const stepX = niceStep(70 / scale, 1);
-  const stepY = niceStep(Math.min(70 / scale, (view.y1 - view.y0) / 3), 1);  // a flat view needs finer ones
+  const stepY = niceStep(Math.min(70 / scale, (view.y1 - view.y0) / 4), 1);  // a flat view needs finer ones
   const marked = value => shown(Math.abs(value) < stepY / 1e6 ? 0 : value);
   context.font = '11px system-ui, sans-serif';
   context.strokeStyle = line;
@@ -43,7 +43,7 @@ function drawGrid({context, view, map, scale, height, width}, {x: nameX, y: name
   context.textBaseline = 'middle';
   for (let y = Math.ceil(view.y0 / stepY) * stepY; y <= view.y1; y += stepY) {
     context.beginPath(); context.moveTo(kMargin.left, map.y(y)); context.lineTo(width - kMargin.right, map.y(y)); context.stroke();
-    context.fillText(marked(down ? -y : y), kMargin.left - 6, map.y(y));
+    if (map.y(y) > 18) context.fillText(marked(down ? -y : y), kMargin.left - 6, map.y(y));  // above stands the name
   }
   context.textAlign = 'left';
   context.textBaseline = 'top';

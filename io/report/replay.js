@@ -66,6 +66,7 @@ function choose(trial) {
   byId('side_name').textContent = `From the side, ${sets[trial.axis].across} to the right`;
   byId('camera').hidden = !trial.pictures.length;
   document.querySelector('.views').classList.toggle('with-camera', trial.pictures.length > 0);
+  drawReplayKeys(trial);
   drawReplayStrip();
   drawReplay();
 }
@@ -88,8 +89,8 @@ function advance(now_ms) {
 
 function trialName(trial, i) {
   const mean = centimetres(rowOf(trial).mean_m);
-  return [`${i + 1}: station along ${trial.axis}`, `stabilization ${trial.state}`,
-          mean === undefined ? '' : `mean ${tenths(mean)} cm`, trial.pictures.length ? 'with camera' : '']
+  return [`${i + 1}: along ${trial.axis}`, trial.state, mean === undefined ? '' : `mean ${tenths(mean)} cm`,
+          trial.pictures.length ? 'camera' : '']
     .filter(Boolean).join(', ');
 }
 
@@ -100,7 +101,6 @@ function addReplay() {
   byId('replay_trial').append(...watched.map(([trial, i]) => element('option', {value: String(i), textContent: trialName(trial, i)})));
   byId('replay_speed').append(...[0.5, 1, 2, 4, 8].map(speed => element('option',
     {value: String(speed), textContent: `${speed} ×`, selected: speed === player.speed})));
-  addReplayKeys();
   const [first, place] = watched.find(([trial]) => trial.pictures.length) || watched[0];
   byId('replay_trial').value = String(place);
   choose(first);

@@ -54,7 +54,8 @@ function drawReplayView(place, trial, view, index) {
   dot(context, ...drone, color(trial.state), 6);
 }
 
-function addReplayKeys() {
-  addKeys(byId('replay_keys'), [['drone and its trail', 'on'], ['place to hold', 'start', 'ring'],
+function drawReplayKeys(trial) {
+  byId('replay_keys').replaceChildren();
+  addKeys(byId('replay_keys'), [['drone and its trail', trial.state], ['place to hold', 'start', 'ring'],
     ['station', 'station', 'band'], ['station\'s way', 'way', 'thick'], ['tether', 'ink']]);
 }

@@ -18,7 +18,7 @@ function drawTableOne() {
     element('td', {}, element('span', {className: state, textContent: state}), ` ${name}`),
     ...columnNames.map(axis => cell(state, axis, figure)));
   const rows = ['on', 'off'].flatMap(state => [
-    row(state, 'mean_m', 'mean', true), row(state, 'std_m', 'std. dev.'), row(state, 'max_m', 'greatest')]);
+    row(state, 'mean_m', 'mean', true), row(state, 'std_m', 'std. dev.'), row(state, 'max_m', 'max')]);
   byId('table_one').append(element('div', {className: 'scroll'}, element('table', {},
     element('thead', {}, element('tr', {}, ...['stabilization', ...columnNames.map(axis => axis === 'all' ? 'all' : `${axis}-axis`)]
       .map(name => element('th', {textContent: name})))),

@@ -3,7 +3,7 @@
 const kTrialColumns = [
   ['axis', row => row.axis], ['on/off', row => row.state], ['policy', row => row.policy || '–'], ['seed', row => row.seed, String],
   ['mean', row => centimetres(row.mean_m), tenths], ['std. dev.', row => centimetres(row.std_m), tenths],
-  ['greatest', row => centimetres(row.max_m), tenths]
+  ['max', row => centimetres(row.max_m), tenths]
 ];
 
 // What is not known comes last in either order.

@@ -12,7 +12,7 @@ namespace stillkite {
 namespace {
 
 constexpr double kSpeed_m_s = 0.2;
-constexpr double kRate_Hz = 30;
+constexpr double kFramesPerSecond = 30;
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
 double reach_m(int axis) {
@@ -70,12 +70,12 @@ HoverReportTrial trial_of(int axis, bool stabilized, int number) {
   const double phase = 3 * uniform();
   double lagged_m = 0;
   Eigen::Vector3d wander_m = Eigen::Vector3d::Zero();
-  for (int i = 0; i <= static_cast<int>(duration_s * kRate_Hz); ++i) {
-    const double t_s = i / kRate_Hz;
+  for (int i = 0; i <= static_cast<int>(duration_s * kFramesPerSecond); ++i) {
+    const double t_s = i / kFramesPerSecond;
     const double way_m = station_way_m(axis, t_s);
     lagged_m +=
         ((stabilized ? 0.2 * way_m + 0.08 * std::sin(1.3 * t_s + phase) : way_m) - lagged_m) /
-        (0.5 * kRate_Hz);
+        (0.5 * kFramesPerSecond);
     wander_m = 0.995 * wander_m + 0.004 * Eigen::Vector3d(uniform(), 0.6 * uniform(), uniform());
     Eigen::Vector3d displacement_m = wander_m;
     displacement_m(axis) += lagged_m;
