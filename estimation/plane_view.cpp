@@ -87,29 +87,27 @@ std::array<PlaneView, 2> decompose_homography(const Eigen::Matrix3d& any_scale) 
   return views;
 }
 
-PlaneView refine_plane(const BearingColumns& columns, PlaneView view, double cutoff, int steps) {
+Eigen::Matrix3d refine_homography(const BearingColumns& columns, Eigen::Matrix3d H, double cutoff,
+                                  int steps) {
   for (int i = 0; i < steps; ++i) {
-    const TransferSums sums = transfer_sums(columns, view.homography(), cutoff);
-    const HomographyJacobian J = homography_jacobian(view);
-    Matrix8d normal = J.transpose() * sums.normal * J;
-    // without translation the normal is free: the damping holds it where it is
-    normal.diagonal() += 1e-9 * normal.diagonal();
-    normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff() + 1e-12;
-    const Vector8d step = -normal.ldlt().solve(J.transpose() * sums.gradient);
-    if (!(step.norm() < 1)) return view;
-    view.current_from_reference =
-        (so3_exp(step.head<3>()) * view.current_from_reference).normalized();
-    const Eigen::Vector3d turned = view.normal + tangent_basis(view.normal) * step.tail<2>();
-    view.translation += step.segment<3>(3);
-    view.normal = turned.normalized();
-    if (step.norm() < 1e-10) break;
+    H /= H.norm();
+    const TransferSums sums = transfer_sums(columns, H, cutoff);
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = H;
+    const Vector9d h = Eigen::Map<const Vector9d>(rows.data());
+    // H H^T holds the scale, which the pairs leave free
+    Matrix9d normal = sums.normal + sums.normal.trace() * h * h.transpose();
+    normal.diagonal().array() += 1e-12 * sums.normal.trace() + 1e-300;
+    const Vector9d step = -normal.ldlt().solve(sums.gradient);
+    if (!(step.norm() < 0.5)) break;
+    H += Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(step.data());
+    if (step.norm() < 1e-8) break;
   }
-  return view;
+  return H;
 }
 
-PlaneView fit_plane(const BearingColumns& columns, double threshold, int draws,
-                    RandomDraws& random) {
-  PlaneView best;
+Eigen::Matrix3d fit_homography(const BearingColumns& columns, double threshold, int draws,
+                               RandomDraws& random) {
+  Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
   double best_cost = static_cast<double>(columns.size());
   for (int i = 0; i < draws && columns.size() >= 4; ++i) {
     const Eigen::Matrix3d H = homography_of(columns, random.distinct<4>(columns.size()));
@@ -117,10 +115,10 @@ PlaneView fit_plane(const BearingColumns& columns, double threshold, int draws,
     const double cost = truncated_transfer_cost(columns, H, 2 * threshold, best_cost);
     if (cost >= best_cost) continue;
     best_cost = cost;
-    best = decompose_homography(H)[0];
+    best = H;
   }
   for (const double cutoff : {4.0, 2.0}) {
-    best = refine_plane(columns, best, cutoff * threshold, 2);
+    best = refine_homography(columns, best, cutoff * threshold, 3);
   }
   return best;
 }

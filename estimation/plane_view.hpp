@@ -26,17 +26,17 @@ struct PlaneView {
 /// but 0. Ma, Soatto, Kosecka and Sastry 2004, "An invitation to 3-D vision", theorem 5.19.
 [[nodiscard]] std::array<PlaneView, 2> decompose_homography(const Eigen::Matrix3d& H);
 
-/// The homography that explains most pairs: RANSAC on four at a time with local optimisation, at
-/// most `draws`. `threshold` on z = 1.
-[[nodiscard]] PlaneView fit_plane(const BearingColumns& columns, double threshold, int draws,
-                                  RandomDraws& random);
+/// The homography that explains most pairs: RANSAC on four at a time, at most `draws`, then
+/// `refine_homography`. `threshold` on z = 1.
+[[nodiscard]] Eigen::Matrix3d fit_homography(const BearingColumns& columns, double threshold,
+                                             int draws, RandomDraws& random);
 
-/// Gauss-Newton on the transfer errors over (w, ds, dn): exp(w) R, s + ds, and n turned in its
-/// tangent plane, with Tukey's weights.
-[[nodiscard]] PlaneView refine_plane(const BearingColumns& columns, PlaneView view, double cutoff,
-                                     int steps);
+/// Gauss-Newton on the transfer errors over the entries of H across H itself, whose scale is free,
+/// with Tukey's weights.
+[[nodiscard]] Eigen::Matrix3d refine_homography(const BearingColumns& columns, Eigen::Matrix3d H,
+                                                double cutoff, int steps);
 
-/// As RelativePoseEstimate has it, of a refined view: Huber's, as pose_covariance.
+/// As RelativePoseEstimate has it, of the view of a refined homography: Huber's, as pose_covariance.
 [[nodiscard]] Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view,
                                         double cutoff);
 

@@ -126,19 +126,19 @@ RelativePoseEstimate rotation_estimate(const Problem& problem, ViewModel model,
   return estimate;
 }
 
-RelativePoseEstimate plane_estimate(const Problem& problem, const PlaneView& rough,
+RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3d& rough,
                                     const BearingColumns& inliers) {
-  const auto distances = [&](const PlaneView& view) {
-    return transfer_distances(problem.columns, view.homography());
+  const auto distances = [&](const Eigen::Matrix3d& H) {
+    return transfer_distances(problem.columns, H);
   };
-  const Refined<PlaneView> fit = refine_to_noise(
+  const Refined<Eigen::Matrix3d> fit = refine_to_noise(
       problem, rough, kSigmaOfMedianLength, kTukeyCutoffOfLength,
-      [&](const PlaneView& view, double cutoff) {
-        return refine_plane(problem.columns, view, cutoff, 4);
+      [&](const Eigen::Matrix3d& H, double cutoff) {
+        return refine_homography(problem.columns, H, cutoff, 4);
       },
       distances);
-  const std::optional<PlaneView> view = resolve_plane(decompose_homography(fit.pose.homography()),
-                                                      inliers, problem.hints, problem.config);
+  const std::optional<PlaneView> view =
+      resolve_plane(decompose_homography(fit.pose), inliers, problem.hints, problem.config);
   RelativePoseEstimate estimate =
       with_inliers(problem, view ? ViewModel::plane : ViewModel::undecided, distances(fit.pose),
                    kSigmaOfMedianLength);
@@ -150,9 +150,10 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const PlaneView& rou
 
 // A scene that is nearly flat has a second, false minimum near the plane's other pose: the better
 // of both is taken.
-EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit, const PlaneView& plane) {
+EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit,
+                          const Eigen::Matrix3d& plane) {
   EssentialFit best = fit;
-  for (const PlaneView& view : decompose_homography(plane.homography())) {
+  for (const PlaneView& view : decompose_homography(plane)) {
     if (!(view.translation.norm() > 0)) continue;
     const EssentialFit other = optimise_start(
         problem.columns, {view.current_from_reference, view.translation.normalized()},
@@ -231,7 +232,7 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
   const std::vector<float> distances =
       sampson_distances(problem.columns, essential_matrix(refined.pose));
   const BearingColumns inliers = inlier_columns(problem, distances);
-  const PlaneView plane = fit_plane(inliers, problem.threshold, kPlaneDraws, random);
+  const Eigen::Matrix3d plane = fit_homography(inliers, problem.threshold, kPlaneDraws, random);
   const ModelEvidence evidence = weigh_models(
       inliers, refine_rotation(inliers, rotation, 2 * problem.threshold, 3), plane,
       scale_below(distances, problem.threshold, kSigmaOfMedian), config.model_floor_px / focal_px);
@@ -246,7 +247,7 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
   }
 
   // 4. depth it is: the pose of the essential matrix
-  const double outside = truncated_transfer_cost(inliers, plane.homography(), problem.threshold,
+  const double outside = truncated_transfer_cost(inliers, plane, 4 * problem.threshold,
                                                  static_cast<double>(inliers.size()));
   if (outside > 0.5 * static_cast<double>(inliers.size())) {
     return general_estimate(problem, refined);

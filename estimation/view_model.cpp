@@ -70,7 +70,7 @@ std::optional<std::size_t> by_hints(const std::array<PlaneView, 2>& views,
     });
     constexpr double kLevel_deg = 10;
     if (std::min(a, b) < kLevel_deg) {
-      if (const auto k = clearly_smaller(a, b, kLevel_deg)) return k;
+      if (const auto k = clearly_smaller(a, b, 0.5 * kLevel_deg)) return k;
     }
   }
   if (hints.prior) {
@@ -91,11 +91,11 @@ std::optional<std::size_t> by_hints(const std::array<PlaneView, 2>& views,
 }  // namespace
 
 ModelEvidence weigh_models(const BearingColumns& inliers, const Eigen::Quaterniond& rotation,
-                           const PlaneView& plane, double sigma, double floor) {
+                           const Eigen::Matrix3d& plane, double sigma, double floor) {
   const double noise = std::hypot(sigma, floor);
   return {.still = mean_of_cut(inliers, Eigen::Matrix3d::Identity(), noise),
           .rotation = mean_of_cut(inliers, rotation.toRotationMatrix(), noise),
-          .plane = mean_of_cut(inliers, plane.homography(), noise),
+          .plane = mean_of_cut(inliers, plane, noise),
           .pairs = static_cast<double>(inliers.size()),
           .floor = floor * floor / (noise * noise)};
 }

@@ -20,8 +20,8 @@ struct ModelEvidence {
 
 /// `sigma`: noise of a coordinate; `floor`: its systematic part; both on z = 1.
 [[nodiscard]] ModelEvidence weigh_models(const BearingColumns& inliers,
-                                         const Eigen::Quaterniond& rotation, const PlaneView& plane,
-                                         double sigma, double floor);
+                                         const Eigen::Quaterniond& rotation,
+                                         const Eigen::Matrix3d& plane, double sigma, double floor);
 
 /// The simplest model that the pairs do not reject: docs/reference_pose.md, "Which model".
 [[nodiscard]] ViewModel simplest_model(const ModelEvidence& evidence);

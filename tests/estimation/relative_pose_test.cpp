@@ -16,8 +16,7 @@ constexpr double kFocal_px = TwoViewScene::kFocal_px;
 
 TEST(RelativePose, exact_pairs_give_the_exact_pose) {
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
-    const TwoViews views =
-        make_two_views({.points = 200, .relief = 0.5, .noise_px = 0}, seed);
+    const TwoViews views = make_two_views({.points = 200, .relief = 0.5, .noise_px = 0}, seed);
     const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {});
     ASSERT_EQ(found.model, ViewModel::general) << seed;
     EXPECT_LT(rotation_error_deg(found.pose, views.truth), 1e-7) << seed;
@@ -34,6 +33,19 @@ TEST(RelativePose, opencv_finds_the_exact_pose_of_exact_pairs) {
     EXPECT_LT(rotation_error_deg(found.pose, views.truth), 1e-2) << name;
     EXPECT_LT(direction_error_deg(found.pose, views.truth), 1e-1) << name;
     EXPECT_GT(found.inlier_count, 190);
+  }
+}
+
+TEST(RelativePose, wrong_pairs_cost_little) {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    const TwoViews views = make_two_views({.outliers = 0.6}, seed);
+    const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {});
+    ASSERT_EQ(found.model, ViewModel::general) << seed;
+    EXPECT_LT(rotation_error_deg(found.pose, views.truth), 0.15) << seed;
+    EXPECT_LT(direction_error_deg(found.pose, views.truth), 1.5) << seed;
+    EXPECT_NEAR(found.residual * kFocal_px, 0.3, 0.05);
+    const RelativePoseEstimate again = estimate_relative_pose(views.pairs, kFocal_px, {});
+    EXPECT_EQ(found.pose.direction, again.pose.direction);
   }
 }
 

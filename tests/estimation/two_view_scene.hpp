@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -23,7 +25,6 @@ struct TwoViewScene {
   double noise_px = 0.3;  ///< a coordinate, in both views
   double outliers = 0;    ///< part of the pairs
   double turn_rad = 0.1;
-  bool level_plane = false;  ///< the plane's normal stands along `up`, not anywhere near the axis
 };
 
 struct TwoViews {
@@ -50,9 +51,10 @@ struct TwoViews {
   views.truth.current_from_reference =
       so3_exp(still ? Eigen::Vector3d::Zero() : Eigen::Vector3d(scene.turn_rad * axis));
   views.truth.direction = moves ? direction() : Eigen::Vector3d::Zero();
-  // a plane that leans by up to some 25 degrees from the picture's
+  // a plane that leans by up to some 35 degrees from the picture's
+  const Eigen::Vector3d leaning(0.5 * (2 * unit(random) - 1), 0.5 * (2 * unit(random) - 1), 1);
   views.normal =
-      Eigen::Vector3d(0.5 * (2 * unit(random) - 1), 0.5 * (2 * unit(random) - 1), 1).normalized();
+      scene.content == ViewModel::plane ? leaning.normalized() : Eigen::Vector3d::UnitZ();
   const auto pixel = [&]() -> Eigen::Vector2d {
     return Eigen::Vector2d((unit(random) - 0.5) * 800, (unit(random) - 0.5) * 480) /
            TwoViewScene::kFocal_px;
@@ -66,6 +68,9 @@ struct TwoViews {
     return Eigen::Vector2d(sigma * normal(random), sigma * normal(random));
   };
   double squares = 0;
+  // least squares of the displacements by a small rotation
+  Eigen::Matrix3d turning = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d turned_by = Eigen::Vector3d::Zero();
   double parallax = 0;
   int inliers = 0;
   while (static_cast<int>(views.pairs.size()) < scene.points) {
@@ -84,12 +89,19 @@ struct TwoViews {
     if (moved.z() < 0.05 || !inside(moved.hnormalized())) continue;
     views.pairs.push_back({a + noise(), moved.hnormalized() + noise()});
     views.is_inlier.push_back(1);
-    parallax += (moved.hnormalized() - turned.hnormalized()).squaredNorm();
-    squares +=
-        (depth - 1) * (depth - 1) * (moved.hnormalized() - turned.hnormalized()).squaredNorm();
+    const Eigen::Vector2d p = turned.hnormalized();
+    const Eigen::Vector2d displacement = moved.hnormalized() - p;
+    Eigen::Matrix<double, 2, 3> J;
+    J << -p.x() * p.y(), 1 + p.x() * p.x(), -p.y(), -1 - p.y() * p.y(), p.x() * p.y(), p.x();
+    turning += J.transpose() * J;
+    turned_by += J.transpose() * displacement;
+    parallax += displacement.squaredNorm();
+    squares += (depth - 1) * (depth - 1) * displacement.squaredNorm();
     ++inliers;
   }
-  views.parallax_px = TwoViewScene::kFocal_px * std::sqrt(parallax / std::max(inliers, 1));
+  parallax -= turned_by.dot(turning.ldlt().solve(turned_by));
+  views.parallax_px =
+      TwoViewScene::kFocal_px * std::sqrt(std::max(parallax, 0.0) / std::max(inliers, 1));
   views.deviation_px = TwoViewScene::kFocal_px * std::sqrt(squares / std::max(inliers, 1));
   return views;
 }

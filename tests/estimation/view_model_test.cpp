@@ -1,0 +1,110 @@
+#include "estimation/view_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "estimation/relative_pose_estimator.hpp"
+#include "two_view_scene.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr double kFocal_px = TwoViewScene::kFocal_px;
+
+RelativePoseHints vertical_of(const TwoViews& views) {
+  return {.up_in_reference = -views.normal,
+          .up_in_current = views.truth.current_from_reference * -views.normal};
+}
+
+TEST(ViewModelTest, names_what_is_seen) {
+  for (const ViewModel content :
+       {ViewModel::still, ViewModel::rotation_only, ViewModel::plane, ViewModel::general}) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+      const TwoViews views =
+          make_two_views({.content = content, .points = 300, .outliers = 0.2}, seed);
+      const RelativePoseEstimate found =
+          estimate_relative_pose(views.pairs, kFocal_px, {}, vertical_of(views));
+      EXPECT_EQ(found.model, content) << name_of(content) << ' ' << seed;
+      EXPECT_LT(rotation_error_deg(found.pose, views.truth), 0.2)
+          << name_of(content) << ' ' << seed;
+      const bool moves = content == ViewModel::plane || content == ViewModel::general;
+      EXPECT_EQ(found.pose.direction.norm() > 0, moves);
+      if (moves) {
+        EXPECT_LT(direction_error_deg(found.pose, views.truth), 3) << seed;
+      } else {
+        EXPECT_EQ((found.covariance.bottomRightCorner<3, 3>().norm()), 0);
+      }
+    }
+  }
+}
+
+// Exact pairs have no noise by which to judge: what the floor excuses is not taken for motion.
+TEST(ViewModelTest, equal_pairs_are_still) {
+  const TwoViews views = make_two_views({.content = ViewModel::still, .noise_px = 0}, 1);
+  const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {});
+  EXPECT_EQ(found.model, ViewModel::still);
+  EXPECT_LT(rotation_error_deg(found.pose, {}), 1e-6);
+  EXPECT_EQ(found.inlier_count, 1000);
+}
+
+TEST(ViewModelTest, a_plain_wrong_prior_changes_nothing) {
+  for (const ViewModel content : {ViewModel::rotation_only, ViewModel::plane, ViewModel::general}) {
+    for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+      const TwoViews views = make_two_views({.content = content, .outliers = 0.3}, seed);
+      RelativePoseHints hints = vertical_of(views);
+      hints.prior = RelativePose{so3_exp({0.3, 0.2, -0.4}), Eigen::Vector3d(1, 2, 3)};
+      const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {}, hints);
+      EXPECT_EQ(found.model, content) << seed;
+      EXPECT_LT(rotation_error_deg(found.pose, views.truth), 0.2) << seed;
+    }
+  }
+}
+
+TEST(PlaneView, a_homography_has_the_two_views_that_made_it) {
+  for (std::uint32_t seed = 1; seed <= 50; ++seed) {
+    const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 1}, seed);
+    const PlaneView truth{views.truth.current_from_reference, 0.3 * views.truth.direction,
+                          views.normal};
+    double nearest = 1;
+    for (const PlaneView& view : decompose_homography(-2.5 * truth.homography())) {
+      EXPECT_LT((view.homography() - truth.homography()).norm(), 1e-12) << seed;
+      EXPECT_NEAR(view.normal.norm(), 1, 1e-12);
+      nearest = std::min(nearest, (view.translation - truth.translation).norm());
+    }
+    EXPECT_LT(nearest, 1e-7) << seed;
+  }
+}
+
+TEST(PlaneView, a_rotation_is_its_own_homography) {
+  const Eigen::Quaterniond turn = so3_exp({0.1, -0.2, 0.3});
+  for (const PlaneView& view : decompose_homography(3 * turn.toRotationMatrix())) {
+    EXPECT_LT(angle_between_rad(view.current_from_reference, turn), 1e-7);
+    EXPECT_LT(view.translation.norm(), 1e-7);
+  }
+}
+
+// Forward flight at a leaning plane: both views have all pairs in front.
+TEST(PlaneView, two_views_that_nothing_tells_apart_are_undecided) {
+  int undecided = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 300}, seed);
+    const RelativePoseEstimate alone = estimate_relative_pose(views.pairs, kFocal_px, {});
+    if (alone.model == ViewModel::undecided) {
+      ++undecided;
+      EXPECT_EQ(alone.pose.direction.norm(), 0);
+      EXPECT_GT(alone.inlier_count, 200);
+    } else {
+      EXPECT_LT(rotation_error_deg(alone.pose, views.truth), 0.3) << seed;
+    }
+    const RelativePoseEstimate by_prior =
+        estimate_relative_pose(views.pairs, kFocal_px, {}, {.prior = views.truth});
+    if (by_prior.model == ViewModel::plane) {
+      EXPECT_LT(rotation_error_deg(by_prior.pose, views.truth), 0.3) << seed;
+    }
+  }
+  EXPECT_GT(undecided, 3);
+}
+
+}  // namespace
+}  // namespace stillkite
