@@ -28,7 +28,7 @@ struct RelativePose {
 
 /// What explains two views.
 enum class ViewModel {
-  undecided,      ///< too few pairs, or none of the models explains enough of them
+  undecided,      ///< too few pairs, no model for enough of them, or a plane of two possible poses
   still,          ///< nothing has moved
   rotation_only,  ///< the camera has turned on the spot; t is unknown
   plane,          ///< a homography: all that is seen lies in one plane
