@@ -15,6 +15,7 @@
 
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
+#include "app/hover_report_trials.hpp"
 #include "app/hover_results.hpp"
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
@@ -70,23 +71,28 @@ class TrialFleet {
         world_(make_world(config)),
         trials_(std::move(trials)),
         records_(trials_.size()),
+        pictures_(trials_.size()),
         progress_("hover", static_cast<std::int64_t>(trials_.size())) {}
 
-  std::vector<TrialRecord> fly(int jobs) {
+  void fly(int jobs) {
     {
       std::vector<std::jthread> crew;
       for (int i = 0; i < jobs; ++i) crew.emplace_back([this] { fly_next_ones(); });
     }
     if (failure_) std::rethrow_exception(failure_);
-    return std::move(records_);
   }
+
+  [[nodiscard]] const std::vector<TrialRecord>& records() const { return records_; }
+  /// Of what the camera saw, a few a second, of one stabilized trial an axis.
+  [[nodiscard]] const std::vector<std::vector<HoverPicture>>& pictures() const { return pictures_; }
 
  private:
   void fly_next_ones() {
     try {
       for (std::size_t i = next_++; i < trials_.size() && !stopped_; i = next_++) {
-        records_[i] = fly_trial(config_, world_, trials_[i], [this](auto&&...) {
+        records_[i] = fly_trial(config_, world_, trials_[i], [&](const Frame& frame, auto&&...) {
           if (stopped_ || interrupted()) throw Interrupted{};
+          if (is_filmed(i)) film(frame, pictures_[i]);
         });
         const std::scoped_lock lock(mutex_);
         progress_.step();
@@ -97,10 +103,28 @@ class TrialFleet {
     }
   }
 
+  // The first with stabilization along its axis.
+  [[nodiscard]] bool is_filmed(std::size_t i) const {
+    return trials_[i].stabilized &&
+           std::none_of(trials_.begin(), trials_.begin() + static_cast<std::ptrdiff_t>(i),
+                        [&](const Trial& before) {
+                          return before.stabilized && before.axis == trials_[i].axis;
+                        });
+  }
+
+  static void film(const Frame& frame, std::vector<HoverPicture>& pictures) {
+    constexpr double kPeriod_s = 0.2;
+    constexpr double kSlack_s = 1e-3;
+    const double t_s = to_seconds(frame.stamp);
+    if (!pictures.empty() && t_s < pictures.back().t_s + kPeriod_s - kSlack_s) return;
+    pictures.push_back(hover_picture(frame));
+  }
+
   const HoverConfig& config_;
   HoverWorld world_;
   std::vector<Trial> trials_;
   std::vector<TrialRecord> records_;
+  std::vector<std::vector<HoverPicture>> pictures_;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> stopped_ = false;
   std::mutex mutex_;
@@ -126,8 +150,9 @@ void hover(const HoverArguments& arguments) {
   // a trial is one thread: side by side they use the cores better than OpenCV would within one
   cv::setNumThreads(1);
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<TrialRecord> records =
-      TrialFleet(config, trials).fly(crew_size(arguments.jobs, trials.size()));
+  TrialFleet fleet(config, trials);
+  fleet.fly(crew_size(arguments.jobs, trials.size()));
+  const std::vector<TrialRecord>& records = fleet.records();
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -137,12 +162,18 @@ void hover(const HoverArguments& arguments) {
   write_file(out / "samples.csv", samples_csv(records));
   write_file(out / "hover.yaml", print_config(config));
   write_file(out / "summary.json", summary.dump(2) + '\n');
+  const std::vector<HoverReportTrial> drawn =
+      hover_report_trials(records, fleet.pictures(), policy);
+  write_hover_report(
+      out / "report.html",
+      {.title = arguments.config.string(), .trials = drawn, .config_yaml = print_config(config)},
+      summary);
   if (arguments.json) {
     fmt::print("{}\n", summary.dump(2));
   } else {
-    fmt::print("{}\n{} trials, {:.1f} times as fast as real time; results in {}\n",
+    fmt::print("{}\n{} trials, {:.1f} times as fast as real time\nreport       {}\n",
                hover_table(summary), records.size(),
-               summary["timing"]["real_time_factor"].get<double>(), out.string());
+               summary["timing"]["real_time_factor"].get<double>(), (out / "report.html").string());
   }
 }
 
@@ -165,8 +196,9 @@ void add_hover(CLI::App& app) {
       ->check(CLI::Range(1, 1024));
   command->add_flag("--json", arguments->json, "Print summary.json on stdout and nothing else");
   command->footer(
-      "Writes trials.csv (a row a trial), samples.csv (a row a picture), summary.json and the\n"
-      "effective configuration hover.yaml.");
+      "Writes trials.csv (a row a trial), samples.csv (a row a picture), summary.json, "
+      "report.html\n"
+      "and the effective configuration hover.yaml.");
   command->callback([arguments] { hover(*arguments); });
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kTileColumns = BearingSegment::kColumns;
 constexpr int kTileRows = 16;
-constexpr int kMaxSamples = 16;
+constexpr int kMaxPatchSamples = 16;
 
 float at(const std::array<float, 4>& cubic, float t) {
   return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]));
@@ -73,9 +73,9 @@ TileLight with_instant(const TileLight& before, const BearingTable& bearings,
   TileLight light = before;
   const int supersampling = bearings.supersampling;
   const int samples = supersampling * supersampling / instants;
-  std::array<const BearingSegment*, kMaxSamples> segments{};
-  std::array<float, kMaxSamples> offsets{};
-  std::array<float, kMaxSamples> round_up{};
+  std::array<const BearingSegment*, kMaxPatchSamples> segments{};
+  std::array<float, kMaxPatchSamples> offsets{};
+  std::array<float, kMaxPatchSamples> round_up{};
   for (int row = 0; row < place.rows; ++row) {
     for (int k = 0; k < samples; ++k) {
       const int sample = k * instants + instant;

@@ -12,8 +12,6 @@
 namespace stillkite {
 namespace {
 
-constexpr double kFocal_px = TwoViewScene::kFocal_px;
-
 TEST(RelativePose, exact_pairs_give_the_exact_pose) {
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     const TwoViews views = make_two_views({.points = 200, .relief = 0.5, .noise_px = 0}, seed);

@@ -12,8 +12,6 @@
 namespace stillkite {
 namespace {
 
-constexpr double kFocal_px = TwoViewScene::kFocal_px;
-
 BearingColumns columns_of(const std::vector<BearingPair>& pairs) {
   std::vector<int> order(pairs.size());
   std::iota(order.begin(), order.end(), 0);

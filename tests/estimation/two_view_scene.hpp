@@ -26,6 +26,7 @@ struct TwoViewScene {
   double outliers = 0;    ///< part of the pairs
   double turn_rad = 0.1;
 };
+inline constexpr double kFocal_px = TwoViewScene::kFocal_px;
 
 struct TwoViews {
   std::vector<BearingPair> pairs;

@@ -10,8 +10,6 @@
 namespace stillkite {
 namespace {
 
-constexpr double kFocal_px = TwoViewScene::kFocal_px;
-
 RelativePoseHints vertical_of(const TwoViews& views) {
   return {.up_in_reference = -views.normal,
           .up_in_current = views.truth.current_from_reference * -views.normal};
