@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "io/base64.hpp"
 #include "io/hover_distribution.hpp"
 #include "synthetic_trials.hpp"
 
@@ -78,6 +79,18 @@ TEST(HoverReport, stays_below_3_MB) {
     trials.trials.insert(trials.trials.end(), once.begin(), once.end());
   }
   EXPECT_LT(page_size(trials), 3'000'000U);
+}
+
+TEST(HoverReport, turns_the_world_into_the_papers_axes) {
+  std::vector<HoverReportTrial> trials{trial_at(0, true, {{0, 0, 0}})};
+  trials[0].samples[0].drone_in_world_m = {1, 2, 3};
+  const std::string html = hover_report_html({.title = "", .trials = trials}, {});
+  const auto column = [](const std::string& name, float value) {
+    return "\"drone_" + name + "\":\"" + base64(std::array{value}) + "\"";
+  };
+  EXPECT_NE(html.find(column("x", 1)), std::string::npos);
+  EXPECT_NE(html.find(column("y", 3)), std::string::npos);
+  EXPECT_NE(html.find(column("z", -2)), std::string::npos);
 }
 
 TEST(HoverReport, loads_nothing_from_anywhere) {
