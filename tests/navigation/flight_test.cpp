@@ -43,7 +43,7 @@ TEST_P(EveryMode, CameraDoesNotCareAboutItsMount) {
   const InitialState start{world_from_camera * mount.inverse(), ScaleSource::initial_height};
   const auto usual = fly(flight.navigator({}, GetParam()), flight.frames).back();
   const auto other =
-      fly(Navigator(record.camera, mount, {}, start, GetParam()), flight.frames).back();
+      fly(Navigator(record.camera, mount, {}, start, {.mode = GetParam()}), flight.frames).back();
   const RigidTransform a = usual.world_from_body * record.body_from_camera;
   const RigidTransform b = other.world_from_body * mount;
   // Euler's steps of other angles differ in second order
@@ -58,10 +58,10 @@ TEST_P(EveryMode, TwiceTheHeightIsTwiceTheWay) {
   InitialState high = flight.start();
   high.world_from_body.translation.z() *= 2;
   const auto usual = fly(flight.navigator({}, GetParam()), flight.frames).back();
-  const auto twice =
-      fly(Navigator(flight.record.camera, flight.record.body_from_camera, {}, high, GetParam()),
-          flight.frames)
-          .back();
+  const auto twice = fly(Navigator(flight.record.camera, flight.record.body_from_camera, {}, high,
+                                   {.mode = GetParam()}),
+                         flight.frames)
+                         .back();
   EXPECT_LT((twice.world_from_body.translation - 2 * usual.world_from_body.translation).norm(),
             2e-3 * kFlown_m);
   // the filter's acceleration is in metres: its speeds do not scale exactly

@@ -149,7 +149,6 @@ TEST(ReferenceNavigator, AJumpIsRejectedThreeTimes) {
 
 TEST(ReferenceNavigator, SeesHomeAgainAfterTheCameraWasCovered) {
   Navigator navigator = make_reference_navigator();
-  const RigidTransform away = at(kHome + Eigen::Vector3d(0.1, 0.3, 0), 1);
   (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
   double covered_sigma = 0;
   for (int i = 1; i < 30; ++i) {

@@ -14,7 +14,7 @@ class Sensors : public testing::TestWithParam<Mode> {
  protected:
   [[nodiscard]] Navigator navigator(const InitialState& start) const {
     const auto& flight = rendered_flight();
-    return {flight.record.camera, flight.record.body_from_camera, {}, start, GetParam()};
+    return {flight.record.camera, flight.record.body_from_camera, {}, start, {.mode = GetParam()}};
   }
 };
 

@@ -12,7 +12,7 @@
 namespace stillkite {
 namespace {
 
-constexpr double kStep_s = 0.005;
+constexpr double kPlantStep_s = 0.005;
 
 const StationState kStill{.world_from_station = {.translation = {1, -2, 0.5}}};
 
@@ -42,9 +42,9 @@ TEST(TetheredDrone, FollowsItsStationThroughATrialExactly) {
   for (const PaperAxis axis : {PaperAxis::x, PaperAxis::y, PaperAxis::z}) {
     const StationPathConfig path{.axis = axis};
     TetheredDrone drone = drone_over(station_at(path, 0));
-    for (int k = 1; k * kStep_s < station_duration_s(path); ++k) {
-      const StationState station = station_at(path, k * kStep_s);
-      drone.step({}, {}, station, kStep_s);
+    for (int k = 1; k * kPlantStep_s < station_duration_s(path); ++k) {
+      const StationState station = station_at(path, k * kPlantStep_s);
+      drone.step({}, {}, station, kPlantStep_s);
       const Eigen::Vector3d above =
           drone.truth().world_from_body.translation - station.world_from_station.translation;
       ASSERT_LT((above - Eigen::Vector3d(0, 0, 2)).norm(), 1e-12);
@@ -88,12 +88,14 @@ TEST(TetheredDrone, NeverPassesALimitWhateverIsCommanded) {
   constexpr double kMuch = 1e9;
   for (const double sign : {1.0, -1.0}) {
     DroneTruth last = drone.truth();
-    for (int k = 0; k < 100 / kStep_s; ++k) {
-      drone.step({sign * kMuch, sign * kMuch, sign * kMuch, sign * kMuch}, {}, kStill, kStep_s);
+    for (int k = 0; k < 100 / kPlantStep_s; ++k) {
+      drone.step({sign * kMuch, sign * kMuch, sign * kMuch, sign * kMuch}, {}, kStill,
+                 kPlantStep_s);
       const TetherState& now = drone.truth().tether;
-      ASSERT_LE(std::abs(now.length_m - last.tether.length_m), 0.3 * kStep_s + 1e-12);
-      ASSERT_LE(std::abs(now.elevation_rad - last.tether.elevation_rad), 0.25 * kStep_s + 1e-9);
-      ASSERT_LE(std::abs(now.azimuth_rad - last.tether.azimuth_rad), 0.2 * kStep_s + 1e-9);
+      ASSERT_LE(std::abs(now.length_m - last.tether.length_m), 0.3 * kPlantStep_s + 1e-12);
+      ASSERT_LE(std::abs(now.elevation_rad - last.tether.elevation_rad),
+                0.25 * kPlantStep_s + 1e-9);
+      ASSERT_LE(std::abs(now.azimuth_rad - last.tether.azimuth_rad), 0.2 * kPlantStep_s + 1e-9);
       ASSERT_LE(std::abs(drone.truth().yaw_rate_rad_s), 0.4 + 1e-9);
       last = drone.truth();
     }
