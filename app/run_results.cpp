@@ -67,6 +67,10 @@ void print_run_results(const json& summary, const std::filesystem::path& folder)
   fmt::print("speed        {}, estimator {} a frame (median)\n",
              figure(timing["frames_per_s"], "frames/s"),
              figure(timing["frame_ms"]["median"], "ms"));
+  if (const json& commands = summary["commands"]; !commands.is_null()) {
+    fmt::print("commands     {} issued, {} held (in the shadow: nothing is flown)\n",
+               commands["issued"].dump(), commands["held"].dump());
+  }
   if (const json& last = summary["final"]; !last.is_null()) {
     const auto position = last["position_m"].get<std::vector<double>>();
     fmt::print("at the end   x {:.3f}, y {:.3f}, z {:.3f} {}\n", position[0], position[1],

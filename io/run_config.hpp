@@ -7,8 +7,10 @@
 
 #include "io/camera_config.hpp"
 #include "io/frame_source.hpp"
+#include "io/shadow_config.hpp"
 #include "io/start_config.hpp"
 #include "navigation/navigator_config.hpp"
+#include "stabilization/hold_config.hpp"
 
 namespace stillkite {
 
@@ -34,7 +36,13 @@ struct RunConfig {
   LogConfig acceleration;
   EstimatorConfig estimator;
   NavigatorConfig navigator;
+  ShadowConfig shadow;
+  HoldConfig hold;
   OutputConfig output;
+
+  [[nodiscard]] bool has_shadow() const {
+    return shadow.enabled.value_or(estimator.policy == Policy::reference);
+  }
 
   static void fields(auto& self, auto&& field) {
     field("source", self.source, "the pictures");
@@ -50,6 +58,8 @@ struct RunConfig {
     field("estimator", self.estimator, "how the motion is found");
     field("navigator", self.navigator, "the flow navigator");
     field("reference", self.navigator.reference, "the reference estimator");
+    field("shadow", self.shadow, "the controller beside the recording");
+    field("hold", self.hold, "the controller");
     field("output", self.output, "files beside the estimates");
   }
 };

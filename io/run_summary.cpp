@@ -68,6 +68,11 @@ json final_state(const NavigationEstimate& e) {
           {"velocity_in_world_m_s", numbers(e.velocity_in_world_m_s)}};
 }
 
+json command_counts(const std::optional<CommandCounts>& counts) {
+  if (!counts) return nullptr;
+  return {{"issued", counts->issued}, {"held", counts->held}};
+}
+
 }  // namespace
 
 json run_summary(std::span<const NavigationEstimate> estimates, const RunFacts& facts,
@@ -93,6 +98,7 @@ json run_summary(std::span<const NavigationEstimate> estimates, const RunFacts& 
        {{"source", name_of(last == nullptr ? ScaleSource::none : last->scale)},
         {"age_s", last == nullptr ? json(nullptr) : number(last->scale_age_s)},
         {"unit", last == nullptr || last->scale == ScaleSource::none ? "initial_height" : "m"}}},
+      {"commands", command_counts(facts.commands)},
       {"interrupted", facts.interrupted},
       {"source_complaint", facts.complaint ? json(*facts.complaint) : json(nullptr)},
       {"evaluation", std::move(evaluation)},

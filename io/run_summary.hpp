@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "io/command_recorder.hpp"
 #include "navigation/navigation_estimate.hpp"
 
 namespace stillkite {
@@ -15,7 +16,8 @@ struct RunFacts {
   std::span<const float> frame_ms;  ///< the estimator's time for each frame
   double wall_s = 0;                ///< of the whole loop, decoding included
   bool interrupted = false;
-  std::optional<std::string> complaint;  ///< about the source
+  std::optional<std::string> complaint;   ///< about the source
+  std::optional<CommandCounts> commands;  ///< where a controller ran
 };
 
 /// summary.json: every number is finite or null. A frame is used if its picture moved the estimate

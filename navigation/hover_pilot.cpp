@@ -47,12 +47,16 @@ PilotStep HoverPilot::step(const Frame& frame, const TetheredReadings& readings)
   // 1. How the camera has moved.
   out.estimate = navigator_.step(frame, readings.others);
   if (!world_from_start_) world_from_start_ = out.estimate.world_from_body * body_from_camera_;
-  // 2. The command that takes it back.
+  // 2. How it hangs in the station's frame.
+  const Eigen::Quaterniond turned =
+      attitude_.step(out.estimate.world_from_body.rotation, readings.others.attitude);
+  const Eigen::Quaterniond station_from_body = readings.station_from_body.value_or(turned);
+  // 3. The command that takes it back.
   out.decision = controller_.decide(
       {.now = readings.now,
        .estimate = motion_estimate(out.estimate, *world_from_start_, body_from_camera_),
        .tether = readings.tether,
-       .station_from_camera = readings.station_from_body * body_from_camera_.rotation});
+       .station_from_camera = station_from_body * body_from_camera_.rotation});
   return out;
 }
 

@@ -4,16 +4,18 @@
 #include <optional>
 
 #include "navigation/navigator.hpp"
+#include "navigation/station_attitude.hpp"
 #include "stabilization/hold_controller.hpp"
 
 namespace stillkite {
 
 /// What a tethered drone's computer knows beside a picture when its command goes out.
 struct TetheredReadings {
-  Timestamp now;                         ///< of the command, later than the exposure
-  std::optional<TetherReading> tether;   ///< the latest
-  Eigen::Quaterniond station_from_body;  ///< at the exposure: IMU, heading zeroed at take-off
-  SensorReadings others;                 ///< what the navigator may use
+  Timestamp now;                        ///< of the command, not before the exposure
+  std::optional<TetherReading> tether;  ///< the latest
+  /// At the exposure: IMU, heading zeroed at take-off. None: as StationAttitude has it.
+  std::optional<Eigen::Quaterniond> station_from_body;
+  SensorReadings others;  ///< what the navigator may use
 };
 
 struct PilotStep {
@@ -32,9 +34,12 @@ class HoverPilot {
 
   PilotStep step(const Frame& frame, const TetheredReadings& readings);
 
+  [[nodiscard]] std::vector<WindowFlow> windows() const { return navigator_.windows(); }
+
  private:
   RigidTransform body_from_camera_;
   Navigator navigator_;
+  StationAttitude attitude_;
   HoldController controller_;
   std::optional<RigidTransform> world_from_start_;  // the camera at the first frame
 };

@@ -104,4 +104,8 @@ struct HoldConfig {
   }
 };
 
+/// The same for a drone that does not obey, as in a recording: without the integrals and the
+/// prediction, which take the way that the drone goes for an answer to the commands.
+[[nodiscard]] HoldConfig in_the_shadow(const HoldConfig& config);
+
 }  // namespace stillkite

@@ -11,7 +11,7 @@ grep -v '^#' "$dataset/mav0/cam0/data.csv" | tr -d '\r' | awk -F, '
   { name[NR] = $2 }
   END { for (i = 1; i <= 20000; ++i) printf "%d0000000,%s\n", i, name[i % NR + 1] }' \
   > "$cam0/data.csv"
-echo "{source: {path: .}, initial: {height_m: 20}}" > "$out.source/run.yaml"
+echo "{source: {path: .}, initial: {height_m: 20}, shadow: {enabled: true}}" > "$out.source/run.yaml"
 "$stillkite" run "$out.source/run.yaml" --out "$out" > /dev/null 2> "$out.messages" &
 pid=$!
 tries=0
@@ -27,7 +27,7 @@ cat "$out.messages"
 [ $status -eq 130 ] || { echo "exit status $status, expected 130"; exit 1; }
 grep -q "stopped after" "$out.messages" || { echo "it does not say so"; exit 1; }
 grep -q '"interrupted": true' "$out/summary.json" || { echo "summary.json does not say so"; exit 1; }
-for name in estimates.csv trajectory.tum report.html; do
+for name in estimates.csv commands.csv trajectory.tum report.html; do
   [ -s "$out/$name" ] || { echo "$name is missing"; exit 1; }
 done
 ls "$out" | grep part && { echo "half a file is left"; exit 1; }

@@ -28,6 +28,7 @@ ConfigNode full_config() {
   config.truth = {.path = "/t"};
   config.initial.height_m = 400;
   config.height = {.source = HeightSource::range, .path = "/h.csv"};
+  config.shadow.enabled = true;
   config.gyro.path = config.attitude.path = config.acceleration.path = "/s.csv";
   return parse_yaml(print_config(config), "full.yaml", "/");
 }
@@ -75,6 +76,16 @@ TEST(RunConfig, PathsCountFromTheFileAndOnTheCommandLineFromHere) {
   EXPECT_EQ(config.source.path, folder.path() / "sub/v.mp4");
   EXPECT_EQ(config.truth.path, folder.path() / "t.tum");
   EXPECT_EQ(config.height.path, std::filesystem::current_path() / "h.csv");
+}
+
+TEST(RunConfig, TheShadowControllerRunsBesideTheReferenceOrWhereItIsToldTo) {
+  const auto has_shadow = [](const std::vector<std::string>& overrides) {
+    return load_run_config(std::nullopt, overrides).has_shadow();
+  };
+  EXPECT_FALSE(has_shadow({}));
+  EXPECT_TRUE(has_shadow({"estimator.policy=reference"}));
+  EXPECT_TRUE(has_shadow({"shadow.enabled=true"}));
+  EXPECT_FALSE(has_shadow({"estimator.policy=reference", "shadow.enabled=false"}));
 }
 
 }  // namespace

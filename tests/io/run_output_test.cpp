@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "io/command_recorder.hpp"
 #include "io/estimates_csv.hpp"
 #include "io/run_recorder.hpp"
 #include "io/run_summary.hpp"
@@ -90,6 +91,39 @@ TEST(RunOutput, TheSummaryCountsAndHasNoNaN) {
   EXPECT_TRUE(summary["evaluation"].is_null());
   EXPECT_GT(summary["memory"]["peak_rss_mib"].get<double>(), 1);
   EXPECT_EQ(summary.dump().find("nan"), std::string::npos);
+}
+
+TEST(RunOutput, CommandsReadBackAndAreCounted) {
+  const TemporaryFolder folder;
+  CommandRecorder recorder(folder.path());
+  const HoldDecision command{.command = {0.1, -0.2, 0.3, -0.4},
+                             .action = HoldAction::command,
+                             .reason = HoldReason::none,
+                             .way_home_in_station_m = {1, -2, 3},
+                             .turn_home_rad = 0.5};
+  recorder.add({1000}, {});
+  recorder.add({2000}, command);
+  recorder.add({3000}, command);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "commands.csv"));
+  recorder.commit();
+  EXPECT_EQ(recorder.counts().issued, 2);
+  EXPECT_EQ(recorder.counts().held, 1);
+
+  TableReader table(folder.path() / "commands.csv", Separator::comma, 11);
+  ASSERT_TRUE(table.next());
+  EXPECT_EQ(table.text(1), "hold");
+  EXPECT_EQ(table.text(2), "no_estimate");
+  ASSERT_TRUE(table.next());
+  EXPECT_EQ(table.stamp(), Timestamp{2000});
+  EXPECT_EQ(table.text(1), "command");
+  const std::array expected{0.1, -0.2, 0.3, -0.4, 1.0, -2.0, 3.0, 0.5};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(table.number(static_cast<int>(i) + 3), expected[i]) << i;
+  }
+
+  const nlohmann::json with = run_summary({}, {.commands = recorder.counts()}, nullptr);
+  EXPECT_EQ(with["commands"], (nlohmann::json{{"issued", 2}, {"held", 1}}));
+  EXPECT_TRUE(run_summary({}, {}, nullptr)["commands"].is_null());
 }
 
 TEST(RunOutput, ARunOfNoFramesIsAllNull) {

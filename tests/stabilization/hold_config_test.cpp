@@ -2,12 +2,27 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "hold_scene.hpp"
+#include "stabilization/hold_controller.hpp"
+
 namespace stillkite {
 namespace {
+
+// 4 cm above its place on a tether that leads ahead and up: too little to reach a limit.
+HoldInput displaced_input(Timestamp now) {
+  HoldInput input{
+      .now = now,
+      .estimate = exact_estimate({forward_camera(), {1, 0, 1}}, {forward_camera(), {1, 0, 1.04}}),
+      .tether = TetherReading{.stamp = now, .tether = {std::sqrt(2.0), 0.7854, 0}},
+      .station_from_camera = forward_camera()};
+  input.estimate->stamp = now;
+  return input;
+}
 
 // Visits every number below a config struct.
 struct CheckDefaults {
@@ -55,6 +70,24 @@ TEST(HoldConfig, PaperGainsFollowTheirRule) {
   for (const PidConfig& pid : {config.length, config.elevation, config.azimuth}) {
     EXPECT_GT(pid.proportional * config.unit_translation_m, 0.2);
     EXPECT_LT(pid.proportional * config.unit_translation_m * after_s, 2 * dead_zone_m);
+  }
+}
+
+// Commands that nobody obeys teach nothing: the same error gives the same command for ever.
+TEST(HoldConfig, InTheShadowNothingIsLearned) {
+  HoldConfig config;
+  config.paper.length.integral = 1;
+  for (const HoldMode mode : {HoldMode::paper, HoldMode::recommended}) {
+    config.mode = mode;
+    HoldController controller(in_the_shadow(config));
+    std::optional<HoldDecision> first;
+    for (int i = 0; i < 100; ++i) {
+      const HoldDecision decision = controller.decide(displaced_input(from_seconds(i / 30.0)));
+      ASSERT_EQ(decision.action, HoldAction::command);
+      if (!first) first = decision;
+      EXPECT_EQ(decision.command.length_rate_m_s, first->command.length_rate_m_s) << i;
+      EXPECT_EQ(decision.command.elevation_rate_rad_s, first->command.elevation_rate_rad_s) << i;
+    }
   }
 }
 

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "geometry/time.hpp"
+#include "io/output_file.hpp"
+#include "stabilization/hold_decision.hpp"
+
+namespace stillkite {
+
+/// Frames by what the controller answered; together they are all.
+struct CommandCounts {
+  std::int64_t issued = 0;
+  std::int64_t held = 0;
+};
+
+/// The first line of commands.csv: names with units, and its end of line.
+[[nodiscard]] std::string commands_csv_header();
+
+/// One frame's line.
+[[nodiscard]] std::string commands_csv_row(Timestamp stamp, const HoldDecision& decision);
+
+/// Writes commands.csv as the frames come, and counts.
+class CommandRecorder {
+ public:
+  /// Throws InputError if the folder cannot be written.
+  explicit CommandRecorder(const std::filesystem::path& folder);
+
+  /// Throws std::runtime_error if the disk is full; what was written before can still be committed.
+  void add(Timestamp stamp, const HoldDecision& decision);
+
+  /// The file gets its name.
+  void commit() { table_.commit(); }
+
+  [[nodiscard]] const CommandCounts& counts() const { return counts_; }
+
+ private:
+  OutputFile table_;
+  CommandCounts counts_;
+};
+
+}  // namespace stillkite
