@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/orientation_results.hpp"
 #include "evaluation/trial_statistics.hpp"
 #include "geometry/angle.hpp"
 
@@ -88,6 +89,7 @@ json hover_summary(std::span<const TrialRecord> records, const std::string& poli
   }
   return {{"table", {{"on", table_row(records, true)}, {"off", table_row(records, false)}}},
           {"trials", std::move(trials)},
+          {"orientation", orientation_summary(records)},
           {"timing", {{"wall_s", wall_s}, {"real_time_factor", flown_s / wall_s}}}};
 }
 
@@ -138,7 +140,7 @@ std::string hover_table(const json& summary) {
     }
     out += '\n';
   }
-  return out;
+  return out + orientation_table(summary["orientation"]);
 }
 
 }  // namespace stillkite

@@ -5,21 +5,30 @@
 
 namespace stillkite {
 
-std::optional<DisplacementStatistics> displacement_statistics(
-    std::span<const double> displacements_m) {
-  if (displacements_m.empty()) return std::nullopt;
-  const double n = static_cast<double>(displacements_m.size());
-  DisplacementStatistics result{.samples = static_cast<int>(displacements_m.size())};
+std::optional<SignedStatistics> signed_statistics(std::span<const double> values) {
+  if (values.empty()) return std::nullopt;
+  const double n = static_cast<double>(values.size());
+  SignedStatistics result{.samples = static_cast<int>(values.size())};
   double sum = 0;
   double squares = 0;
-  for (const double d : displacements_m) {
-    result.mean_m += std::abs(d) / n;
-    result.max_m = std::max(result.max_m, std::abs(d));
-    sum += d;
+  for (const double value : values) {
+    result.mean += std::abs(value) / n;
+    result.max = std::max(result.max, std::abs(value));
+    sum += value;
   }
-  for (const double d : displacements_m) squares += (d - sum / n) * (d - sum / n);
-  result.std_m = std::sqrt(squares / n);
+  for (const double value : values) squares += (value - sum / n) * (value - sum / n);
+  result.deviation = std::sqrt(squares / n);
   return result;
+}
+
+std::optional<DisplacementStatistics> displacement_statistics(
+    std::span<const double> displacements_m) {
+  const std::optional<SignedStatistics> found = signed_statistics(displacements_m);
+  if (!found) return std::nullopt;
+  return DisplacementStatistics{.samples = found->samples,
+                                .mean_m = found->mean,
+                                .std_m = found->deviation,
+                                .max_m = found->max};
 }
 
 }  // namespace stillkite

@@ -49,16 +49,19 @@ class TrialPlant {
 
   [[nodiscard]] double duration_s() const { return station_duration_s(path_); }
   [[nodiscard]] const DroneTruth& truth() const { return drone_.truth(); }
+  [[nodiscard]] const std::vector<YawKick>& kicks() const { return kicks_; }
   [[nodiscard]] RigidTransform world_from_station(double t_s) const {
     return station_at(path_, t_s).world_from_station;
   }
 
-  void step(double t_s, const TetherCommand& command) {
+  // One step's `to_s` is the next one's `from_s` to the last bit: what happens at an instant
+  // happens once.
+  void step(double from_s, double to_s, const TetherCommand& command) {
     wind_.step(kStep_s);
     drone_.step(command,
                 {.wind_in_world_m_s = wind_.in_world_m_s(),
-                 .yaw_kick_rad = kicked_between_rad(kicks_, t_s, t_s + kStep_s)},
-                station_at(path_, t_s + kStep_s), kStep_s);
+                 .yaw_kick_rad = kicked_between_rad(kicks_, from_s, to_s)},
+                station_at(path_, to_s), kStep_s);
   }
 
  private:
@@ -170,7 +173,7 @@ TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world, const 
       {.world_from_body = {start.rotation, {0, 0, sensors.known_height_m(start.translation.z())}},
        .scale = ScaleSource::initial_height});
 
-  TrialRecord record{.trial = trial, .samples = {}};
+  TrialRecord record{.trial = trial, .samples = {}, .kicks = plant.kicks()};
   Inbox inbox;
   std::deque<PendingFrame> pending;
   PilotStep last;
@@ -212,7 +215,7 @@ TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world, const 
       sample.command = last.decision.command;
       record.samples.push_back(sample);
     }
-    plant.step(t_s, last.decision.command);
+    plant.step(t_s, to_seconds(stamp_of_step(step + 1)), last.decision.command);
   }
   return record;
 }

@@ -9,6 +9,7 @@
 #include "navigation/navigation_estimate.hpp"
 #include "simulation/hover_config.hpp"
 #include "simulation/patch_renderer.hpp"
+#include "simulation/yaw_kicks.hpp"
 #include "stabilization/hold_decision.hpp"
 
 namespace stillkite {
@@ -36,6 +37,7 @@ struct TrialSample {
 struct TrialRecord {
   Trial trial;
   std::vector<TrialSample> samples;
+  std::vector<YawKick> kicks;  ///< that turned the drone
 };
 
 /// What a picture suffers between camera and computer; empty: nothing.

@@ -58,6 +58,20 @@ TEST(HoverTrial, WithStabilizationItStaysAndFliesTheSameAgain) {
   }
 }
 
+// Nobody turns it back: the yaw is what the kicks have added up to.
+TEST(HoverTrial, TheRecordHasTheKicksThatTurnedTheDrone) {
+  HoverConfig config = short_trials();
+  const TrialRecord quiet = fly_trial(config, world(), {.stabilized = false, .seed = 3});
+  EXPECT_TRUE(quiet.kicks.empty());
+  EXPECT_EQ(quiet.samples.back().yaw_rad, 0);
+  config.plant.yaw_kicks = YawKickConfig{.every_s = 2};
+  const TrialRecord record = fly_trial(config, world(), {.stabilized = false, .seed = 3});
+  ASSERT_GE(record.kicks.size(), 2U);
+  double sum_rad = 0;
+  for (const YawKick& kick : record.kicks) sum_rad += kick.angle_rad;
+  EXPECT_NEAR(record.samples.back().yaw_rad, sum_rad, 1e-9);
+}
+
 TEST(HoverTrial, TheObserverSeesEveryPictureInItsTurn) {
   HoverConfig config = short_trials();
   config.cycle = {.period_s = 0.2, .compute_s = 0.1};
