@@ -63,7 +63,7 @@ struct MotionEstimate {
   Eigen::Matrix3d displacement_covariance = Eigen::Matrix3d::Zero();
 
   double mean_shift_px = 0;  ///< mean length of the features' way from their reference place
-  double parallax_rad = 0;   ///< median angle of that way, the camera's rotation undone
+  double parallax_rad = 0;   ///< the way over the distance of what is seen
 
   std::optional<Twist> twist_in_camera;
   ScaleSource scale = ScaleSource::none;

@@ -93,6 +93,7 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
   correlations_.assign(count, 0);
   alive_.assign(count, 0);
   motion_ = {};
+  last_found_count_ = 0;
   has_last_ = false;
 }
 
@@ -138,7 +139,8 @@ bool FeatureTracker::is_lost() const {
   constexpr double kFewShare = 0.25;
   constexpr double kSuddenShare = 0.5;
   return tracks_.found_count < kFewShare * static_cast<double>(tracks_.found.size()) &&
-         (!has_last_ || tracks_.found_count < kSuddenShare * last_found_count_);
+         (last_found_count_ < kFewestToGuide ||
+          tracks_.found_count < kSuddenShare * last_found_count_);
 }
 
 void FeatureTracker::search() {

@@ -30,19 +30,20 @@ double mean_shift_px(const FeatureTracks& tracks) {
   return count == 0 ? 0 : sum / count;
 }
 
+// b ~ R a + r t with r = way / depth: b x R a + r b x t = 0 for every pair.
 double parallax_rad(const std::vector<BearingPair>& pairs, const RelativePoseEstimate& estimate) {
-  std::vector<double> angles;
+  double product = 0;
+  double square = 0;
   for (std::size_t i = 0; i < pairs.size() && i < estimate.inliers.size(); ++i) {
     if (estimate.inliers[i] == 0) continue;
+    const Eigen::Vector3d b = pairs[i].current.homogeneous();
     const Eigen::Vector3d turned =
         estimate.pose.current_from_reference * pairs[i].reference.homogeneous();
-    const Eigen::Vector3d seen = pairs[i].current.homogeneous();
-    angles.push_back(std::atan2(turned.cross(seen).norm(), turned.dot(seen)));
+    const Eigen::Vector3d across = b.cross(estimate.pose.direction);
+    product -= b.cross(turned).dot(across);
+    square += across.squaredNorm();
   }
-  if (angles.empty()) return 0;
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
+  return square > 0 ? std::max(0.0, product / square) : 0;
 }
 
 std::vector<WindowFlow> drawn_features(const FeatureTracks& tracks, const FeatureBearings& bearings,

@@ -20,7 +20,8 @@ struct FeatureBearings {
 /// Mean length of the found features' way from the reference to now, in the picture.
 [[nodiscard]] double mean_shift_px(const FeatureTracks& tracks);
 
-/// Median angle between the bearings of the inliers, the camera's rotation undone; 0 without any.
+/// Length of the way over the distance of what is seen, the mean over the inliers by least squares:
+/// the angle by which a way across the view shifts them. 0 where there is no direction.
 [[nodiscard]] double parallax_rad(const std::vector<BearingPair>& pairs,
                                   const RelativePoseEstimate& estimate);
 

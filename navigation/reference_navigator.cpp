@@ -66,11 +66,9 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   twist_.reset();
   report_ = {.reference_stamp = reference_.stamp, .is_home = is_home_};
   // 1. The first frame is the one to hold. Nothing is learnt of a frozen picture, or out of turn.
-  if (interval.spoiled == Verdict::first_frame) return start(frame);
-  const bool is_useless = interval.spoiled && !interval.is_late;
-  if (is_useless || (!has_reference_ && !take_reference(frame))) {
-    return answer(frame, is_useless ? *interval.spoiled : Verdict::too_little_texture);
-  }
+  if (interval.spoiled == Verdict::first_frame) start_stamp_ = current_.stamp = frame.stamp;
+  if (!has_reference_) return start(frame);
+  if (interval.spoiled && !interval.is_late) return answer(frame, *interval.spoiled);
   // 2. Where the reference's features are in this frame; the lost ones are dropped.
   const FeatureTracks& tracks = association_.find(frame.grey);
   const double flow_ms = watch.lap_ms();
@@ -90,8 +88,7 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
 }
 
 NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
-  start_stamp_ = current_.stamp = frame.stamp;
-  report_.new_reference = take_reference(frame);
+  report_.new_reference = take_reference(frame, true);
   report_.reference_stamp = frame.stamp;
   return answer(frame, has_reference_ ? Verdict::first_frame : Verdict::too_little_texture);
 }
@@ -151,17 +148,16 @@ void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdi
                        frames_since_reference_ >= config_.renew_every_frames;
   // features that left with the answer still good make way at once; those merely hidden come back
   const bool is_due = is_time || (is_thin && measured) || failures_ > config_.patience_frames;
-  if (!is_due) return;
+  report_.new_reference = is_due && take_reference(frame, measured);
+}
+
+// A picture without features would be held to for ever: what there is stays until a better comes.
+bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
+  if (!association_.set_reference(frame.grey, config_.min_features)) return false;
   if (!measured) {
     current_.stamp = frame.stamp;
     current_.covariance.diagonal().array() += kLossSigma_rad * kLossSigma_rad;
   }
-  report_.new_reference = take_reference(frame);
-}
-
-// A picture without features would be held to for ever: what there is stays until a better comes.
-bool ReferenceNavigator::take_reference(const Frame& frame) {
-  if (!association_.set_reference(frame.grey, config_.min_features)) return false;
   is_home_ = !has_reference_ || mode_ == Mode::paper;
   if (has_reference_ && mode_ == Mode::paper) current_.world_from_camera = start_.rotation;
   has_reference_ = true;

@@ -46,7 +46,7 @@ class ReferenceNavigator {
               const RelativePoseEstimate& pose, Verdict verdict);
   void turn(const RelativePoseEstimate& pose, Timestamp now);
   void renew_reference(const Frame& frame, int features, Verdict verdict);
-  bool take_reference(const Frame& frame);
+  [[nodiscard]] bool take_reference(const Frame& frame, bool measured);
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 
   Camera camera_;

@@ -24,9 +24,10 @@ struct Trial {
 /// The truth of an instant of a trial, one a frame of the camera, and what was then in force.
 struct TrialSample {
   double t_s = 0;
-  Eigen::Vector3d displacement_in_world_m;  ///< of the drone from its place at the start
-  Eigen::Vector3d drone_in_world_m;
-  Eigen::Vector3d station_in_world_m;
+  Eigen::Vector3d displacement_in_world_m =
+      Eigen::Vector3d::Zero();  ///< of the drone from its place at the start
+  Eigen::Vector3d drone_in_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d station_in_world_m = Eigen::Vector3d::Zero();
   double yaw_rad = 0;  ///< from that of the start, left is +
   HoldAction action = HoldAction::hold;
   HoldReason reason = HoldReason::no_estimate;
