@@ -110,6 +110,9 @@ const FeatureTracks& FeatureTracker::track(const cv::Mat& grey) {
   align();
   // 2. Where next to none is there, the whole picture may have moved far: search it.
   if (config_.search && is_lost()) search();
+  // 3. Still lost, as in a smeared picture: what is found is chance, the next one starts from the
+  // last good one and is searched again.
+  if (is_lost()) return tracks_;
   if (tracks_.found_count >= kFewestToGuide) {
     motion_ = fit_affine_flow(tracks_.reference_px, displacements_px_, tracks_.found);
     has_last_ = true;

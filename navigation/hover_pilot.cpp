@@ -8,14 +8,33 @@ EstimateStatus flow_status(Verdict verdict) {
   return is_measured ? EstimateStatus::ok : EstimateStatus::lost;
 }
 
+// What is seen from a later reference, turned as the camera hung at the start: the attitude leads
+// back to there, the place is the later reference's, for no length leads further.
+MotionEstimate with_first_attitude(const MotionEstimate& motion,
+                                   const Eigen::Quaterniond& start_from_camera) {
+  const Eigen::Quaterniond start_from_reference =
+      start_from_camera * motion.reference_from_camera.conjugate();
+  const Eigen::Matrix3d R = start_from_reference.toRotationMatrix();
+  MotionEstimate turned = motion;
+  turned.reference_from_camera = start_from_camera;
+  turned.rotation_covariance = R * motion.rotation_covariance * R.transpose();
+  turned.displacement_in_reference = R * motion.displacement_in_reference;
+  turned.displacement_covariance = R * motion.displacement_covariance * R.transpose();
+  return turned;
+}
+
 }  // namespace
 
 MotionEstimate motion_estimate(const NavigationEstimate& estimate,
                                const RigidTransform& world_from_start,
                                const RigidTransform& body_from_camera) {
-  if (estimate.reference) return estimate.reference->motion;
   const RigidTransform start_from_camera =
       world_from_start.inverse() * (estimate.world_from_body * body_from_camera);
+  if (estimate.reference) {
+    const MotionEstimate& seen = estimate.reference->motion;
+    return estimate.reference->is_home ? seen
+                                       : with_first_attitude(seen, start_from_camera.rotation);
+  }
   const Eigen::Matrix3d R = world_from_start.rotation.conjugate().toRotationMatrix();
   const bool is_metric = estimate.scale != ScaleSource::none;
   MotionEstimate motion;

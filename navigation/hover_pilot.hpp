@@ -44,8 +44,9 @@ class HoverPilot {
   std::optional<RigidTransform> world_from_start_;  // the camera at the first frame
 };
 
-/// What an estimate says to the controller: of the reference estimator its own answer; of the flow
-/// navigator the way from `world_from_start`, metric where it has a scale.
+/// What an estimate says to the controller: of the reference estimator its own answer, from a later
+/// reference with the attitude carried on from the first; of the flow navigator the way from
+/// `world_from_start`, metric where it has a scale.
 [[nodiscard]] MotionEstimate motion_estimate(const NavigationEstimate& estimate,
                                              const RigidTransform& world_from_start,
                                              const RigidTransform& body_from_camera);

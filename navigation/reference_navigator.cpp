@@ -11,6 +11,7 @@ namespace {
 // What a loss leaves of the attitude: the camera turns on while nobody looks.
 constexpr double kLossSigma_rad = 5 * kDegree;
 constexpr int kFewestFeatures = 8;
+constexpr double kSuddenShare = 0.5;
 
 // The camera's origin seen from the reference, -R^T t, with its covariance: an error e of the
 // rotation (R = exp(e) R_true) and one of t move it by -R^T (e_t + [t]x e).
@@ -104,9 +105,16 @@ RelativePoseEstimate ReferenceNavigator::estimate(const std::vector<BearingPair>
 }
 
 Verdict ReferenceNavigator::judge(const RelativePoseEstimate& pose, int features) {
-  if (features < kFewestFeatures) return Verdict::lost;
+  if (features < kFewestFeatures || is_swept_away(features)) return Verdict::lost;
+  features_before_ = features;
   if (pose.model == ViewModel::undecided) return Verdict::too_few_inliers;
   return gate_.accepts(pose.pose.current_from_reference) ? Verdict::ok : Verdict::gated;
+}
+
+// Features that go all at once are hidden or smeared, and a pose of the rest is chance.
+bool ReferenceNavigator::is_swept_away(int features) const {
+  return mode_ == Mode::recommended && features < config_.min_features &&
+         features < kSuddenShare * features_before_;
 }
 
 void ReferenceNavigator::report(const FeatureTracks& tracks, const FeatureBearings& bearings,
@@ -166,7 +174,7 @@ bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
   reference_.stamp = frame.stamp;
   last_pose_.reset();
   gate_.reset();
-  frames_since_reference_ = failures_ = 0;
+  frames_since_reference_ = failures_ = features_before_ = 0;
   return true;
 }
 

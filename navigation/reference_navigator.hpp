@@ -42,6 +42,7 @@ class ReferenceNavigator {
   NavigationEstimate start(const Frame& frame);
   [[nodiscard]] RelativePoseEstimate estimate(const std::vector<BearingPair>& pairs);
   [[nodiscard]] Verdict judge(const RelativePoseEstimate& pose, int features);
+  [[nodiscard]] bool is_swept_away(int features) const;
   void report(const FeatureTracks& tracks, const FeatureBearings& bearings,
               const RelativePoseEstimate& pose, Verdict verdict);
   void turn(const RelativePoseEstimate& pose, Timestamp now);
@@ -65,7 +66,8 @@ class ReferenceNavigator {
   bool has_reference_ = false;
   bool is_home_ = true;
   int frames_since_reference_ = 0;
-  int failures_ = 0;  // frames in a row that found too few features
+  int failures_ = 0;         // frames in a row that found too few features
+  int features_before_ = 0;  // found in the last frame that was not lost
   ReferenceReport report_;
   std::vector<WindowFlow> windows_;
 };

@@ -23,11 +23,13 @@ class ShadowFlight {
  public:
   ShadowFlight() : world_(make_hover_world(config_)) {}
 
-  HoldDecision step(const Vector3d& displacement_in_world_m, double turn_rad) {
-    const RigidTransform world_from_body = pose(displacement_in_world_m, turn_rad);
+  HoldDecision step(const Vector3d& displacement_in_world_m, double turn_rad,
+                    double smeared_rad = 0) {
+    const RigidTransform opening = pose(displacement_in_world_m, turn_rad - smeared_rad);
+    const RigidTransform closing = pose(displacement_in_world_m, turn_rad + smeared_rad);
     const cv::Mat light = world_.renderer.render(
-        world_.scene, {.world_from_camera_at_opening = world_from_body * body_from_camera_,
-                       .world_from_camera_at_closing = world_from_body * body_from_camera_});
+        world_.scene, {.world_from_camera_at_opening = opening * body_from_camera_,
+                       .world_from_camera_at_closing = closing * body_from_camera_});
     const Timestamp now = from_seconds(static_cast<double>(frames_) / 30);
     const Frame frame{now, frames_,
                       develop(light, {.noise_grey = 2}, static_cast<std::uint64_t>(frames_))};
@@ -106,6 +108,21 @@ TEST(HoverPilot, AKickOfTwentyDegreesIsBelievedAfterThreeStrikes) {
     const HoldDecision decision = flight.step(Vector3d::Zero(), kick_rad);
     EXPECT_EQ(decision.action, HoldAction::command);
     EXPECT_NEAR(decision.turn_home_rad, -kick_rad, 0.005);
+  }
+}
+
+// The picture during the kick shows nothing: what little is found in it is chance, and must not
+// become the place to hold.
+TEST(HoverPilot, ASmearedPictureIsForgotten) {
+  for (int kick_deg = -20; kick_deg <= 20; kick_deg += 4) {
+    ShadowFlight flight;
+    for (int i = 0; i < 3; ++i) (void)flight.step(Vector3d::Zero(), 0);
+    const double kick_rad = kick_deg * kDegree;
+    const HoldReason smeared = flight.step(Vector3d::Zero(), kick_rad, 40 * kDegree).reason;
+    EXPECT_TRUE(smeared == HoldReason::estimate_lost || smeared == HoldReason::estimate_gated);
+    HoldDecision decision;
+    for (int i = 0; i < 4; ++i) decision = flight.step(Vector3d::Zero(), kick_rad);
+    EXPECT_NEAR(decision.turn_home_rad, -kick_rad, 0.005) << kick_deg;
   }
 }
 
