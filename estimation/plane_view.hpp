@@ -36,7 +36,8 @@ struct PlaneView {
 [[nodiscard]] Eigen::Matrix3d refine_homography(const BearingColumns& columns, Eigen::Matrix3d H,
                                                 double cutoff, int steps);
 
-/// As RelativePoseEstimate has it, of the view of a refined homography: Huber's, as pose_covariance.
+/// As RelativePoseEstimate has it, of the view of a refined homography: Huber's, as
+/// pose_covariance.
 [[nodiscard]] Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view,
                                         double cutoff);
 
