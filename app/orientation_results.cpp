@@ -77,6 +77,7 @@ json kick_json(std::size_t trial, const YawKick& kick, const std::optional<doubl
 // What never settles is the worst; the median takes it for longer than any.
 json settled_json(const std::vector<std::optional<double>>& times_s) {
   std::vector<double> sorted;
+  sorted.reserve(times_s.size());
   for (const auto& time_s : times_s) {
     sorted.push_back(time_s.value_or(std::numeric_limits<double>::infinity()));
   }

@@ -114,7 +114,7 @@ TEST(HoverPilot, AKickOfTwentyDegreesIsBelievedAfterThreeStrikes) {
 // The picture during the kick shows nothing: what little is found in it is chance, and must not
 // become the place to hold.
 TEST(HoverPilot, ASmearedPictureIsForgotten) {
-  for (int kick_deg = -20; kick_deg <= 20; kick_deg += 4) {
+  for (int kick_deg = -20; kick_deg <= 20; kick_deg += 8) {
     ShadowFlight flight;
     for (int i = 0; i < 3; ++i) (void)flight.step(Vector3d::Zero(), 0);
     const double kick_rad = kick_deg * kDegree;
