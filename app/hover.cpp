@@ -74,14 +74,17 @@ class TrialFleet {
         pictures_(trials_.size()),
         progress_("hover", static_cast<std::int64_t>(trials_.size())) {}
 
+  /// Until all are flown, or Ctrl-C.
   void fly(int jobs) {
     {
       std::vector<std::jthread> crew;
       for (int i = 0; i < jobs; ++i) crew.emplace_back([this] { fly_next_ones(); });
     }
     if (failure_) std::rethrow_exception(failure_);
+    forget_unfinished();
   }
 
+  /// Those that were flown to their end.
   [[nodiscard]] const std::vector<TrialRecord>& records() const { return records_; }
   /// Of what the camera saw, a few a second, of one stabilized trial an axis.
   [[nodiscard]] const std::vector<std::vector<HoverPicture>>& pictures() const { return pictures_; }
@@ -97,9 +100,19 @@ class TrialFleet {
         const std::scoped_lock lock(mutex_);
         progress_.step();
       }
+    } catch (const Interrupted&) {
+      stopped_ = true;
     } catch (...) {
       const std::scoped_lock lock(mutex_);
       if (!stopped_.exchange(true)) failure_ = std::current_exception();
+    }
+  }
+
+  void forget_unfinished() {
+    for (std::size_t i = records_.size(); i-- > 0;) {
+      if (!records_[i].samples.empty()) continue;
+      records_.erase(records_.begin() + static_cast<std::ptrdiff_t>(i));
+      pictures_.erase(pictures_.begin() + static_cast<std::ptrdiff_t>(i));
     }
   }
 
