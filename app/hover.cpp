@@ -78,6 +78,7 @@ class TrialFleet {
   void fly(int jobs) {
     {
       std::vector<std::jthread> crew;
+      crew.reserve(static_cast<std::size_t>(jobs));
       for (int i = 0; i < jobs; ++i) crew.emplace_back([this] { fly_next_ones(); });
     }
     if (failure_) std::rethrow_exception(failure_);

@@ -38,6 +38,7 @@ std::vector<HoverReportTrial> hover_report_trials(const std::vector<TrialRecord>
                                                   std::vector<std::vector<HoverPicture>> pictures,
                                                   const std::string& policy) {
   std::vector<HoverReportTrial> trials;
+  trials.reserve(records.size());
   for (std::size_t i = 0; i < records.size(); ++i) {
     const Trial& flown = records[i].trial;
     HoverReportTrial trial{.moved_axis = static_cast<int>(flown.axis),

@@ -159,6 +159,7 @@ int main(int argc, char** argv) {
   const PatchRenderer renderer(hover_camera().lens(), 2);
   Random random(static_cast<std::uint64_t>(seed), 1);
   std::vector<Pair> pairs;
+  pairs.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     pairs.push_back(make_pair_of_views(scene, renderer, way_m, random));
   fmt::print("{:<46}{:>10}{:>10}{:>11}{:>10}{:>10}{:>10}\n", "errors in degrees", "rotation",

@@ -49,6 +49,7 @@ double parallax_rad(const std::vector<BearingPair>& pairs, const RelativePoseEst
 std::vector<WindowFlow> drawn_features(const FeatureTracks& tracks, const FeatureBearings& bearings,
                                        const RelativePoseEstimate& estimate) {
   std::vector<WindowFlow> drawn;
+  drawn.reserve(bearings.pairs.size());
   for (std::size_t i = 0; i < bearings.pairs.size(); ++i) {
     const std::size_t feature = bearings.feature_of_pair[i];
     const bool is_inlier = i < estimate.inliers.size() && estimate.inliers[i] != 0;

@@ -12,6 +12,7 @@ const RigidTransform kMount{Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Eigen::Vec
 
 std::vector<StampedPose> truth() {
   std::vector<StampedPose> poses;
+  poses.reserve(5);
   for (int i = 0; i < 5; ++i) {
     poses.push_back({from_seconds(i),
                      {so3_exp(Eigen::Vector3d(0.02, -0.01, 0.05) * i), {0.4 * i, 0.1 * i, 2}}});

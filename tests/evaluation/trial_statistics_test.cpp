@@ -11,6 +11,7 @@ namespace {
 TEST(TrialStatistics, OfASymmetricTriangle) {
   // d runs evenly through [-2, 2]: mean |d| is 1, the deviation of d is 2 / sqrt(3)
   std::vector<double> d;
+  d.reserve(40001);
   for (int i = 0; i <= 40000; ++i) d.push_back(-2 + 1e-4 * i);
   const auto found = displacement_statistics(d);
   ASSERT_TRUE(found);

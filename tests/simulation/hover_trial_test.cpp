@@ -30,6 +30,7 @@ const HoverWorld& world() {
 
 double mean_displacement_m(const TrialRecord& record) {
   std::vector<double> d;
+  d.reserve(record.samples.size());
   for (const TrialSample& sample : record.samples) {
     d.push_back(sample.displacement_in_world_m.dot(paper_axis_in_world(record.trial.axis)));
   }
