@@ -75,7 +75,7 @@ NullSpace null_space(std::span<const BearingPair, 5> pairs) {
 
 // 2 E E^T E - tr(E E^T) E = 0, nine rows, and det E = 0.
 Constraints essential_constraints(const NullSpace& basis) {
-  std::array<std::array<Linear, 3>, 3> E;
+  std::array<std::array<Linear, 3>, 3> E{};
   for (int i = 0; i < 9; ++i) {
     E[i / 3][i % 3] = {basis(i, 0), basis(i, 1), basis(i, 2), basis(i, 3)};
   }

@@ -22,9 +22,10 @@ struct PlaneView {
 };
 
 /// The two views that share a homography, each with its normal such that n^T (0, 0, 1) > 0; equal
-/// where nothing but a rotation, or a translation along the normal, is seen. H may have any scale
-/// but 0. Ma, Soatto, Kosecka and Sastry 2004, "An invitation to 3-D vision", theorem 5.19.
-[[nodiscard]] std::array<PlaneView, 2> decompose_homography(const Eigen::Matrix3d& H);
+/// where nothing but a rotation, or a translation along the normal, is seen. `any_scale`: H times
+/// any number but 0. Ma, Soatto, Kosecka and Sastry 2004, "An invitation to 3-D vision",
+/// theorem 5.19.
+[[nodiscard]] std::array<PlaneView, 2> decompose_homography(const Eigen::Matrix3d& any_scale);
 
 /// The homography that explains most pairs: RANSAC on four at a time, at most `draws`, then
 /// `refine_homography`. `threshold` on z = 1.

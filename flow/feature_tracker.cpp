@@ -72,8 +72,8 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
   reference_.build(grey, config_.levels);
   tracks_ = {};
   for (const cv::Point2f& at : features_px) {
-    const float left = std::round(at.x) - kFeatureWindow_px / 2;
-    const float top = std::round(at.y) - kFeatureWindow_px / 2;
+    const float left = std::round(at.x) - 0.5F * kFeatureWindow_px;
+    const float top = std::round(at.y) - 0.5F * kFeatureWindow_px;
     const bool is_inside = left >= 1 && top >= 1 &&
                            left + kFeatureWindow_px + 2 <= static_cast<float>(grey.cols) &&
                            top + kFeatureWindow_px + 2 <= static_cast<float>(grey.rows);
