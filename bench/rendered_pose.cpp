@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <exception>
 #include <opencv2/core/utility.hpp>
 #include <string>
 #include <vector>
@@ -141,9 +143,7 @@ void print_row(const Variant& variant, const std::vector<Pair>& pairs) {
   std::fflush(stdout);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   int count = 40;
   int seed = 1;
   double way_m = 0.25;
@@ -166,4 +166,15 @@ int main(int argc, char** argv) {
              "90 %", "direction", "90 %", "answers", "ms");
   for (const Variant& variant : variants()) print_row(variant, pairs);
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
 }

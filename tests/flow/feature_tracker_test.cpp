@@ -47,7 +47,7 @@ TEST(FeatureTracker, FindsFeaturesWhereTheyHaveMoved) {
   tracker.set_reference(reference, corners(reference));
   const struct {
     Eigen::Affine2d motion;
-    double allowed_px;
+    double allowed_px = 0;
   } cases[] = {{motion_about_middle(0, 1, {0, 0}), 0.02},
                {motion_about_middle(0, 1, {3.3, -1.7}), 0.05},
                {motion_about_middle(0.01, 1.01, {-4.6, 2.2}), 0.05},
