@@ -17,8 +17,8 @@ struct BearingPair {
   Eigen::Vector2d current;
 };
 
-/// X_current = R X_reference + s t with an unknown scale s > 0: hold paper, eq. (2) with E = [t]x
-/// R.
+/// X_current = R X_reference + s t with an unknown scale s > 0; E = [t]x R in the hold paper's
+/// eq. (2).
 struct RelativePose {
   Eigen::Quaterniond current_from_reference = Eigen::Quaterniond::Identity();
   /// t, a unit vector, or 0 where nothing is known of it: the reference's origin seen from the

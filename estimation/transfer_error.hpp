@@ -7,10 +7,10 @@
 
 namespace stillkite {
 
-/// Distance of a pair to a homography b ~ H a, first order in the noise of both points: d^2 = r^T
-/// (I
-/// + A A^T)^-1 r with r = b - pi(H a), A = d pi(H a)/da. d / sigma has the distribution chi with
-/// two degrees of freedom, sigma the noise of a coordinate. Hartley and Zisserman 2004, eq. (4.13).
+/// Distance of a pair to a homography b ~ H a, first order in the noise of both points:
+/// d^2 = r^T (I + A A^T)^-1 r with r = b - pi(H a), A = d pi(H a)/da. d / sigma has the
+/// distribution chi with two degrees of freedom, sigma the noise of a coordinate. Hartley and
+/// Zisserman 2004, eq. (4.13).
 /// Infinite where H a lies behind the camera.
 [[nodiscard]] double transfer_error(const Eigen::Matrix3d& H, const BearingPair& pair);
 
