@@ -13,11 +13,13 @@
 
 namespace stillkite {
 
-enum class EstimateSource { flow, reference };
+enum class EstimateSource { flow, reference, fused };
 template <>
 struct EnumNames<EstimateSource> {
   static constexpr auto value = std::to_array<std::pair<EstimateSource, std::string_view>>(
-      {{EstimateSource::flow, "flow"}, {EstimateSource::reference, "reference"}});
+      {{EstimateSource::flow, "flow"},
+       {EstimateSource::reference, "reference"},
+       {EstimateSource::fused, "fused"}});
 };
 
 enum class EstimateStatus {

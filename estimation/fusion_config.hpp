@@ -1,0 +1,72 @@
+#pragma once
+
+#include "geometry/angle.hpp"
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+
+/// What the fusion filter is told of its sensors and of the drone.
+struct FusionConfig {
+  double pixel_sigma_px = 0.3;
+  double gate_sigma = 4.0;
+  int landmarks = 48;
+  int min_landmarks = 12;
+  double inverse_depth_sigma_ratio = 0.5;
+  double scale_sigma_ratio = 0.5;
+  double height_sigma_ratio = 0.02;
+  double ground_sigma_m = 0.02;
+  double flow_velocity_sigma_ratio = 0.02;
+  double flow_correlated_frames = 10;
+  double acceleration_density = 1.0;
+  double rate_density = 0.05;
+  double gyro_density = 5e-4;
+  double gyro_bias_sigma_rad_s = 0.01;
+  double gyro_bias_walk = 5e-5;
+  double accel_density = 0.01;
+  double accel_bias_sigma_m_s2 = 0.05;
+  double accel_bias_walk = 3e-3;
+  double tilt_sigma_rad = 1 * kDegree;
+  double attitude_sigma_rad = 1 * kDegree;
+
+  static void fields(auto& self, auto&& field) {
+    field("pixel_sigma_px", self.pixel_sigma_px, kPositive,
+          "of a feature's place, errors that last over frames included");
+    field("gate_sigma", self.gate_sigma, kPositive,
+          "a measurement further than that from its prediction is left out");
+    field("landmarks", self.landmarks, Range{8, 200},
+          "features of the reference whose place in space is estimated");
+    field("min_landmarks", self.min_landmarks, Range{4, 200},
+          "seen in a frame, without which it measured nothing");
+    field("inverse_depth_sigma_ratio", self.inverse_depth_sigma_ratio, kPositive,
+          "of a new landmark's inverse depth, as a share of its guess");
+    field("scale_sigma_ratio", self.scale_sigma_ratio, kPositive,
+          "of the metres that the first landmarks were guessed in");
+    field("height_sigma_ratio", self.height_sigma_ratio, kPositive,
+          "of the height at the start, which is the flow's scale");
+    field("ground_sigma_m", self.ground_sigma_m, kPositive,
+          "how far a landmark that is taken for one of the ground may be over or under it");
+    field("flow_velocity_sigma_ratio", self.flow_velocity_sigma_ratio, kNotNegative,
+          "error of the flow's speed as a share of it, beside its covariance: ground that is not "
+          "flat");
+    field("flow_correlated_frames", self.flow_correlated_frames, Range{.min = 1},
+          "frames over which the flow's errors are alike; its variance is taken that many times");
+    field("acceleration_density", self.acceleration_density, kPositive,
+          "white acceleration of the drone where no accelerometer is read, m/s^2/sqrt(Hz)");
+    field("rate_density", self.rate_density, kPositive,
+          "error of an angular rate that no gyroscope but a picture tells, rad/s/sqrt(Hz)");
+    field("gyro_density", self.gyro_density, kPositive, "white noise, rad/s/sqrt(Hz)");
+    field("gyro_bias_sigma_rad_s", self.gyro_bias_sigma_rad_s, kPositive,
+          "of the bias at the start");
+    field("gyro_bias_walk", self.gyro_bias_walk, kNotNegative, "rad/s^2/sqrt(Hz)");
+    field("accel_density", self.accel_density, kPositive, "white noise, m/s^2/sqrt(Hz)");
+    field("accel_bias_sigma_m_s2", self.accel_bias_sigma_m_s2, kPositive,
+          "of the bias at the start");
+    field("accel_bias_walk", self.accel_bias_walk, kNotNegative, "m/s^3/sqrt(Hz)");
+    field("tilt_sigma_rad", self.tilt_sigma_rad, kPositive,
+          "of roll and pitch of the first frame against gravity");
+    field("attitude_sigma_rad", self.attitude_sigma_rad, kPositive,
+          "of roll and pitch of an attitude that is read");
+  }
+};
+
+}  // namespace stillkite

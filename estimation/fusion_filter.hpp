@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "estimation/error_state.hpp"
+#include "estimation/fusion_config.hpp"
+#include "estimation/fusion_state.hpp"
+#include "estimation/twist.hpp"
+
+namespace stillkite {
+
+/// What carries the camera on over a short time. Camera axes; the accelerometer is taken to be at
+/// the camera.
+struct InertialStep {
+  double dt_s = 0;
+  std::optional<Eigen::Vector3d> angular_rate_rad_s;
+  bool is_gyro = true;  ///< the rate has a bias that lasts; else it is another estimator's
+  std::optional<Eigen::Vector3d> specific_force_m_s2;
+};
+
+/// Error-state Kalman filter on SO(3) of the camera's pose from the first frame, its velocity, the
+/// map's scale, the sensors' biases and landmarks of the reference frame; see docs/fusion.md.
+class FusionFilter {
+ public:
+  /// At rest as far as `velocity_sigma_m_s` says. `world_from_camera`: z is the height over the
+  /// ground, in metres; map units begin as metres.
+  FusionFilter(const FusionConfig& config, const RigidTransform& world_from_camera,
+               double velocity_sigma_m_s);
+
+  void predict(const InertialStep& step);
+  /// Pose and velocity after further steps; the filter stays where it is.
+  [[nodiscard]] FusionState predicted(const std::vector<InertialStep>& steps) const;
+
+  /// The flow's velocity in the camera, by its own idea of the height. False: refused.
+  bool update_flow_velocity(const Eigen::Vector3d& velocity_m_s, const Eigen::Matrix3d& covariance);
+  /// The vertical as another sensor has it, any length, in the camera.
+  bool update_up(const Eigen::Vector3d& up_in_camera);
+
+  /// Drops the landmarks: the camera, here, is the anchor of those to come.
+  void take_anchor();
+  /// A feature of the reference frame, seen from the anchor at `bearing` (z = 1).
+  void add_landmark(int feature, const Eigen::Vector2d& bearing, double focal_px);
+  /// False: not such a landmark, behind the camera, or refused.
+  bool update_landmark(int feature, const Eigen::Vector2d& seen, double focal_px);
+  /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. Gives
+  /// how many are new.
+  int update_ground();
+  /// Those that the gate has refused too often in a row.
+  void drop_refused();
+
+  [[nodiscard]] const FusionState& state() const { return state_; }
+  [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
+  /// Metres.
+  [[nodiscard]] RigidTransform world_from_camera_m() const;
+  [[nodiscard]] Eigen::Vector3d velocity_in_world_m_s() const;
+  /// Of (translation in m, rotation vector), world axes, from the first frame.
+  [[nodiscard]] Matrix6d pose_covariance() const;
+  [[nodiscard]] Eigen::Matrix3d velocity_covariance() const;
+  /// Of the logarithm of the scale: a share of every length.
+  [[nodiscard]] double scale_sigma() const;
+
+ private:
+  template <int kRows>
+  bool correct(const Innovation<kRows>& innovation);
+  void inject(const Eigen::VectorXd& error);
+  [[nodiscard]] int size() const;
+  void remove_landmark(std::size_t i);
+  [[nodiscard]] Innovation<1> ground_innovation(const Landmark& landmark, int column) const;
+  [[nodiscard]] double height_below_anchor(const Landmark& landmark) const;
+  [[nodiscard]] double guessed_inverse_depth(const Eigen::Vector2d& bearing) const;
+  [[nodiscard]] Eigen::Matrix3d metric_covariance(int first, const Eigen::Vector3d& value) const;
+
+  FusionConfig config_;
+  FusionState state_;
+  Eigen::Vector3d start_in_world_;
+  std::vector<Landmark> landmarks_;
+  Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
+};
+
+}  // namespace stillkite

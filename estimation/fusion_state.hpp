@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "geometry/rigid_transform.hpp"
+
+namespace stillkite {
+
+/// What is estimated of the camera. The world is the one of the first frame: its pose there is
+/// exact, gravity is not. Lengths are in map units; one is exp(log_scale) metres, so that what no
+/// metric sensor tells is one number, and the view of the landmarks does not depend on it.
+struct FusionState {
+  RigidTransform world_from_camera;                             ///< map units
+  Eigen::Vector3d velocity_in_world = Eigen::Vector3d::Zero();  ///< map units/s
+  Eigen::Vector3d gyro_bias_rad_s = Eigen::Vector3d::Zero();    ///< camera axes
+  Eigen::Vector3d accel_bias_m_s2 = Eigen::Vector3d::Zero();    ///< camera axes
+  Eigen::Vector2d gravity_tilt_rad = Eigen::Vector2d::Zero();   ///< about world x and y
+  double log_scale = 0;
+  double log_height = 0;             ///< of the known height at the start over the true one
+  RigidTransform world_from_anchor;  ///< the camera at the reference frame
+};
+
+/// A point in space, seen from the anchor at (x, y, 1) / inverse depth.
+struct Landmark {
+  int feature = 0;            ///< its number in the reference
+  Eigen::Vector2d bearing;    ///< on z = 1 of the anchor
+  double inverse_depth = 0;   ///< 1 / map units
+  bool is_on_ground = false;  ///< taken for it, once
+  int refused = 0;            ///< times in a row that the gate refused it
+};
+
+/// Where the errors of FusionState begin in the error vector; then three a landmark (bearing,
+/// inverse depth). Rotation errors are in world axes: R_true = exp(e) R.
+struct FusionIndex {
+  static constexpr int kRotation = 0;
+  static constexpr int kPosition = 3;
+  static constexpr int kVelocity = 6;
+  static constexpr int kGyroBias = 9;
+  static constexpr int kAccelBias = 12;
+  static constexpr int kTilt = 15;
+  static constexpr int kScale = 17;
+  static constexpr int kHeight = 18;
+  static constexpr int kAnchorRotation = 19;
+  static constexpr int kAnchorPosition = 22;
+  static constexpr int kLandmarks = 25;
+};
+
+}  // namespace stillkite

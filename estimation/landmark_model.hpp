@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "estimation/error_state.hpp"
+#include "estimation/fusion_state.hpp"
+
+namespace stillkite {
+
+/// Where a landmark is seen, compared with where it should be; both on z = 1 of the camera. With
+/// the anchor's pose (R_a, p_a), the camera's (R, p) and m = (bearing, 1),
+///   Y = R^T (inverse_depth (p_a - p) + R_a m),   h = (Y_x, Y_y) / Y_z,
+/// which stays defined at infinity (Civera, Davison, Montiel 2008, eq. (5)). `column` is where the
+/// landmark's errors begin. Nothing where it is not in front of the camera.
+[[nodiscard]] std::optional<Innovation<2>> landmark_innovation(const FusionState& state,
+                                                               const Landmark& landmark, int column,
+                                                               const Eigen::Vector2d& seen,
+                                                               double sigma);
+
+}  // namespace stillkite

@@ -1,0 +1,155 @@
+#include "estimation/fusion_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include "estimation/landmark_model.hpp"
+#include "tests/estimation/fusion_scene.hpp"
+
+namespace stillkite {
+namespace {
+
+Eigen::Vector2d predicted_view(FusionState state, Landmark landmark, const Eigen::VectorXd& error) {
+  using Index = FusionIndex;
+  const auto turn = [&](RigidTransform& pose, int rotation, int position) {
+    pose.rotation = so3_exp(error.segment<3>(rotation)) * pose.rotation;
+    pose.translation += error.segment<3>(position);
+  };
+  turn(state.world_from_camera, Index::kRotation, Index::kPosition);
+  turn(state.world_from_anchor, Index::kAnchorRotation, Index::kAnchorPosition);
+  landmark.bearing += error.segment<2>(Index::kLandmarks);
+  landmark.inverse_depth += error[Index::kLandmarks + 2];
+  return -landmark_innovation(state, landmark, Index::kLandmarks, Eigen::Vector2d::Zero(), 1)
+              ->residual;
+}
+
+TEST(LandmarkModel, JacobianIsTheNumericOne) {
+  FusionState state;
+  state.world_from_camera = {so3_exp({0.2, -0.1, 0.3}), {0.4, -0.2, 0.1}};
+  state.world_from_anchor = {so3_exp({-0.1, 0.2, 0.1}), {-0.1, 0.3, 0.2}};
+  const Landmark landmark{.feature = 1, .bearing = {0.3, -0.2}, .inverse_depth = 0.4};
+  const int n = FusionIndex::kLandmarks + 3;
+  const Eigen::MatrixXd H = landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0, 0}, 1)
+                                ->H.times(Eigen::MatrixXd::Identity(n, n));
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::VectorXd error = kStep * Eigen::VectorXd::Unit(n, i);
+    const Eigen::Vector2d numeric =
+        (predicted_view(state, landmark, error) - predicted_view(state, landmark, -error)) /
+        (2 * kStep);
+    EXPECT_LT((numeric - H.col(i)).norm(), 1e-8) << "column " << i;
+  }
+}
+
+// A point at infinity tells rotation alone.
+TEST(LandmarkModel, InfinityDoesNotMove) {
+  FusionState state;
+  state.world_from_camera.translation = {3, 2, 1};
+  const Landmark landmark{.feature = 1, .bearing = {0.1, 0.2}, .inverse_depth = 0};
+  const auto innovation =
+      landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0.1, 0.2}, 1);
+  ASSERT_TRUE(innovation);
+  EXPECT_LT(innovation->residual.norm(), 1e-15);
+}
+
+TEST(LandmarkModel, BehindTheCameraIsNoView) {
+  FusionState state;
+  state.world_from_camera.translation = {0, 0, 20};
+  const Landmark landmark{.feature = 1, .bearing = {0, 0}, .inverse_depth = 0.1};
+  EXPECT_FALSE(landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0, 0}, 1));
+}
+
+TEST(FusionFilter, FindsTheScaleByItsInertia) {
+  FusionScene scene;
+  scene.scale_error_log = 0.4;
+  FusionSimulation flight(scene, FusionConfig{}, 3);
+  const double before = flight.filter().scale_sigma();
+  for (int i = 0; i < 300; ++i) flight.step();
+  EXPECT_LT(flight.filter().scale_sigma(), 0.1 * before);
+  EXPECT_LT(flight.pose_error().head<3>().norm(), 0.02);
+}
+
+// Without any metric sensor the way home is known as a direction, the scale as at the start.
+TEST(FusionFilter, LearnsNoScaleFromPicturesAlone) {
+  FusionScene scene;
+  scene.has_imu = false;
+  FusionSimulation flight(scene, FusionConfig{}, 4);
+  const double before = flight.filter().scale_sigma();
+  for (int i = 0; i < 300; ++i) flight.step();
+  EXPECT_NEAR(flight.filter().scale_sigma(), before, 1e-9);
+}
+
+TEST(FusionFilter, RefusesALandmarkThatJumps) {
+  FusionSimulation flight(FusionScene{}, FusionConfig{}, 5);
+  for (int i = 0; i < 30; ++i) flight.step();
+  const RigidTransform before = flight.filter().world_from_camera_m();
+  EXPECT_FALSE(flight.filter().update_landmark(0, {0.9, 0.9}, 480));
+  EXPECT_EQ(flight.filter().world_from_camera_m().translation, before.translation);
+}
+
+// A new anchor is the camera with all its doubt: nothing is known better, nothing worse.
+TEST(FusionFilter, ANewAnchorKeepsThePoseAndItsCovariance) {
+  FusionSimulation flight(FusionScene{}, FusionConfig{}, 6);
+  for (int i = 0; i < 60; ++i) flight.step();
+  const Matrix6d before = flight.filter().pose_covariance();
+  flight.filter().take_anchor();
+  EXPECT_LT((flight.filter().pose_covariance() - before).norm(), 1e-15);
+  EXPECT_TRUE(flight.filter().landmarks().empty());
+}
+
+FusionConfig few_landmarks() {
+  FusionConfig config;
+  config.landmarks = 16;
+  return config;
+}
+
+// What is seen of a floor whose height is known tells the scale.
+TEST(FusionFilter, FindsTheScaleByTheGround) {
+  FusionScene scene;
+  scene.has_imu = false;
+  FusionConfig config = few_landmarks();
+  config.inverse_depth_sigma_ratio = 0.01;  // nearly all of them on the ground as it is guessed
+  FusionSimulation flight(scene, config, 7);
+  for (int i = 0; i < 90; ++i) {
+    flight.step();
+    flight.filter().update_ground();
+  }
+  EXPECT_NEAR(flight.filter().state().log_scale, 0.0, 0.06);
+  EXPECT_LT(flight.filter().scale_sigma(), 0.05);
+}
+
+// e^T P^-1 e of the pose, averaged over seeds, at ten stamps each.
+double mean_nees(const FusionScene& scene, const FusionConfig& config, int seeds) {
+  double sum = 0;
+  int count = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    FusionSimulation flight(scene, config, static_cast<std::uint64_t>(seed) + 100);
+    for (int stamp = 0; stamp < 10; ++stamp) {
+      for (int i = 0; i < 30; ++i) flight.step();
+      const Vector6d error = flight.pose_error();
+      sum += error.dot(flight.filter().pose_covariance().ldlt().solve(error));
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+TEST(FusionFilter, CovarianceIsHonestWithAnImu) {
+  const double nees = mean_nees(FusionScene{}, few_landmarks(), 30);
+  EXPECT_GT(nees, 4.5);
+  EXPECT_LT(nees, 7.5);
+}
+
+TEST(FusionFilter, CovarianceIsHonestWithTheFlow) {
+  FusionScene scene;
+  scene.has_imu = false;
+  scene.has_flow = true;
+  // a depth known to 50 % is too vague to be linear: 8.5 (docs/fusion.md)
+  FusionConfig config = few_landmarks();
+  config.inverse_depth_sigma_ratio = 0.2;
+  const double nees = mean_nees(scene, config, 30);
+  EXPECT_GT(nees, 4.5);
+  EXPECT_LT(nees, 7.5);
+}
+
+}  // namespace
+}  // namespace stillkite

@@ -1,0 +1,120 @@
+#include "tests/estimation/fusion_scene.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr double kFrame_s = 1.0 / 30;
+constexpr int kInertialSteps = 7;
+
+// Along the world's x: image right is -y of the world, image down is -z.
+RigidTransform looking_ahead() {
+  Eigen::Matrix3d R;
+  R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return {Eigen::Quaterniond(R), {0, 0, 3}};
+}
+
+Eigen::Vector3d gravity() {
+  return {0, 0, -9.80665};
+}
+
+}  // namespace
+
+FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig& config,
+                                   std::uint64_t seed)
+    : scene_(scene),
+      config_(config),
+      engine_(seed * 7919 + 17),
+      filter_(config, looking_ahead(), 1e-3) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int i = 0; i < 3; ++i) {
+    sway_phase_[i] = 3 * uniform(engine_);
+    turn_phase_[i] = 3 * uniform(engine_);
+  }
+  gyro_bias_ = config.gyro_bias_sigma_rad_s * normal3();
+  accel_bias_ = config.accel_bias_sigma_m_s2 * normal3();
+  height_error_log_ = config.height_sigma_ratio * normal();
+  filter_.take_anchor();
+  const RigidTransform start = truth_at(0).world_from_camera;
+  for (int i = 0; i < config.landmarks; ++i) {
+    const Eigen::Vector2d bearing(0.8 * uniform(engine_), 0.5 * uniform(engine_));
+    // the filter's guess of a place, which the truth is off from by as much as the filter is told
+    const double noise = config.pixel_sigma_px / scene.focal_px;
+    filter_.add_landmark(i, bearing + noise * Eigen::Vector2d(normal(), normal()), scene.focal_px);
+    const double guess = filter_.landmarks().back().inverse_depth;
+    const double inverse_depth = std::max(0.1, 1 + config.inverse_depth_sigma_ratio * normal()) *
+                                 guess * std::exp(-scene.scale_error_log);
+    points_.emplace_back(start * (bearing.homogeneous() / inverse_depth));
+  }
+}
+
+FusionTruth FusionSimulation::truth_at(double t_s) const {
+  // (1 - cos) begins at rest, and at its start
+  FusionTruth truth;
+  const RigidTransform start = looking_ahead();
+  Eigen::Vector3d turn;
+  Eigen::Vector3d way;
+  for (int i = 0; i < 3; ++i) {
+    const double w = 1.1 + 0.25 * i;
+    const double amplitude = scene_.sway_m * std::cos(sway_phase_[i]);
+    way[i] = amplitude * (1 - std::cos(w * t_s));
+    truth.velocity_in_world_m_s[i] = amplitude * w * std::sin(w * t_s);
+    truth.acceleration_in_world_m_s2[i] = amplitude * w * w * std::cos(w * t_s);
+    turn[i] = scene_.turn_rad * std::sin((0.9 + 0.2 * i) * t_s) * std::cos(turn_phase_[i]);
+  }
+  truth.world_from_camera = {so3_exp(turn) * start.rotation, start.translation + way};
+  return truth;
+}
+
+void FusionSimulation::step() {
+  const double dt_s = kFrame_s / kInertialSteps;
+  for (int i = 0; i < kInertialSteps; ++i) {
+    const FusionTruth a = truth_at(time_s_);
+    const FusionTruth mid = truth_at(time_s_ + 0.5 * dt_s);
+    const FusionTruth b = truth_at(time_s_ + dt_s);
+    time_s_ += dt_s;
+    InertialStep step{
+        .dt_s = dt_s, .angular_rate_rad_s = {}, .is_gyro = true, .specific_force_m_s2 = {}};
+    const double root_rate = 1 / std::sqrt(dt_s);
+    const Eigen::Vector3d rate =
+        so3_log(a.world_from_camera.rotation.conjugate() * b.world_from_camera.rotation) / dt_s;
+    if (scene_.has_imu) {
+      step.angular_rate_rad_s = rate + gyro_bias_ + config_.gyro_density * root_rate * normal3();
+      step.specific_force_m_s2 =
+          a.world_from_camera.rotation.conjugate() * (mid.acceleration_in_world_m_s2 - gravity()) +
+          accel_bias_ + config_.accel_density * root_rate * normal3();
+    } else {
+      step.is_gyro = false;
+      step.angular_rate_rad_s = rate + config_.rate_density * root_rate * normal3();
+    }
+    filter_.predict(step);
+  }
+  const FusionTruth now = truth();
+  const RigidTransform camera_from_world = now.world_from_camera.inverse();
+  if (scene_.has_flow) {
+    const double sigma = 0.02;
+    const Eigen::Vector3d velocity =
+        std::exp(height_error_log_) * (camera_from_world.rotation * now.velocity_in_world_m_s);
+    filter_.update_flow_velocity(
+        velocity + sigma * std::sqrt(config_.flow_correlated_frames) * normal3(),
+        sigma * sigma * Eigen::Matrix3d::Identity());
+  }
+  if (!scene_.has_landmarks) return;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Eigen::Vector3d x = camera_from_world * points_[i];
+    const double sigma = scene_.pixel_sigma_px / scene_.focal_px;
+    filter_.update_landmark(static_cast<int>(i),
+                            x.head<2>() / x.z() + sigma * Eigen::Vector2d(normal(), normal()),
+                            scene_.focal_px);
+  }
+}
+
+Vector6d FusionSimulation::pose_error() const {
+  const RigidTransform estimate = filter_.world_from_camera_m();
+  const RigidTransform true_pose = truth().world_from_camera;
+  Vector6d error;
+  error << true_pose.translation - estimate.translation,
+      so3_log(true_pose.rotation * estimate.rotation.conjugate());
+  return error;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "estimation/fusion_filter.hpp"
+
+namespace stillkite {
+
+/// What a fusion test's camera does: a hover about its start with a known motion.
+struct FusionScene {
+  double seconds = 10;
+  double sway_m = 0.3;
+  double turn_rad = 0.1;
+  double pixel_sigma_px = 0.3;
+  double focal_px = 480;
+  double scale_error_log = 0;  ///< the landmarks' guesses are off by that, all alike
+  bool has_imu = true;
+  bool has_flow = false;
+  bool has_landmarks = true;
+};
+
+/// Exact pose and its derivatives at a time.
+struct FusionTruth {
+  RigidTransform world_from_camera;
+  Eigen::Vector3d velocity_in_world_m_s;
+  Eigen::Vector3d acceleration_in_world_m_s2;
+};
+
+/// A level camera that looks along the world's x, 3 m up; it is at its start, at rest, at time 0.
+class FusionSimulation {
+ public:
+  FusionSimulation(const FusionScene& scene, const FusionConfig& config, std::uint64_t seed);
+
+  /// To the next frame, 1/30 s on.
+  void step();
+
+  [[nodiscard]] const FusionFilter& filter() const { return filter_; }
+  [[nodiscard]] FusionFilter& filter() { return filter_; }
+  [[nodiscard]] FusionTruth truth() const { return truth_at(time_s_); }
+  [[nodiscard]] double time_s() const { return time_s_; }
+  /// (translation, rotation vector) of the true pose from the estimate, world axes.
+  [[nodiscard]] Vector6d pose_error() const;
+
+ private:
+  [[nodiscard]] FusionTruth truth_at(double t_s) const;
+  [[nodiscard]] double normal() { return normal_(engine_); }
+  [[nodiscard]] Eigen::Vector3d normal3() { return {normal(), normal(), normal()}; }
+
+  FusionScene scene_;
+  FusionConfig config_;
+  std::mt19937_64 engine_;
+  std::normal_distribution<double> normal_;
+  double time_s_ = 0;
+  Eigen::Vector3d sway_phase_, turn_phase_;
+  Eigen::Vector3d gyro_bias_, accel_bias_;
+  double height_error_log_ = 0;
+  std::vector<Eigen::Vector3d> points_;
+  FusionFilter filter_;
+};
+
+}  // namespace stillkite
