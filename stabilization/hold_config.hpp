@@ -55,6 +55,7 @@ struct RecommendedHoldConfig {
   double max_yaw_rad = 20 * kDegree;
   double nominal_depth_m = 4.0;
   double max_displacement_m = 0.5;
+  double state_feedback_pole_1_s = 3.0;
   bool predict = true;
   double lag_s = 0.5;
   double damped_within_m = 0.5;
@@ -71,6 +72,8 @@ struct RecommendedHoldConfig {
         "distance of what the camera sees; times parallax it is a displacement of unknown length");
     field("max_displacement_m", self.max_displacement_m, kPositive,
           "a longer way home is taken for this long");
+    field("state_feedback_pole_1_s", self.state_feedback_pole_1_s, Range{0, 20},
+          "how fast way and velocity home decay where both are known in metres; 0: as a way alone");
     field("predict", self.predict,
           "take off the way home what the commands since the exposure have done and will do");
     field("lag_s", self.lag_s, Range{0, 10}, "first-order lag of the drone behind its commands");

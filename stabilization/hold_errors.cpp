@@ -20,7 +20,8 @@ bool is_finite(const TetherState& tether) {
 bool is_finite(const MotionEstimate& estimate) {
   return is_rotation(estimate.reference_from_camera) &&
          estimate.displacement_in_reference.allFinite() && std::isfinite(estimate.mean_shift_px) &&
-         std::isfinite(estimate.parallax_rad);
+         std::isfinite(estimate.parallax_rad) &&
+         (!estimate.twist_in_camera || estimate.twist_in_camera->vector().allFinite());
 }
 
 bool is_current(Timestamp stamp, Timestamp now, double max_age_s) {
@@ -66,6 +67,13 @@ Eigen::Vector3d way_home_in_station(const MotionEstimate& estimate,
   const Eigen::Quaterniond station_from_reference =
       station_from_camera * estimate.reference_from_camera.conjugate();
   return -(station_from_reference * estimate.displacement_in_reference);
+}
+
+std::optional<Eigen::Vector3d> velocity_in_station_m_s(
+    const MotionEstimate& estimate, const Eigen::Quaterniond& station_from_camera) {
+  const bool is_metric = estimate.displacement_kind == DisplacementKind::metric;
+  if (!is_metric || !estimate.twist_in_camera) return std::nullopt;
+  return Eigen::Vector3d(station_from_camera * estimate.twist_in_camera->velocity_m_s);
 }
 
 double turn_home_rad(const MotionEstimate& estimate,

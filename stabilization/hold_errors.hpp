@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "geometry/euler.hpp"
 #include "stabilization/hold_config.hpp"
@@ -16,6 +17,10 @@ namespace stillkite {
 /// gives its displacement c: -R_station_from_camera R_camera_from_reference c.
 [[nodiscard]] Eigen::Vector3d way_home_in_station(const MotionEstimate& estimate,
                                                   const Eigen::Quaterniond& station_from_camera);
+
+/// The camera's velocity in the station's frame; nothing where the estimate knows none in metres.
+[[nodiscard]] std::optional<Eigen::Vector3d> velocity_in_station_m_s(
+    const MotionEstimate& estimate, const Eigen::Quaterniond& station_from_camera);
 
 /// The turn about the station's z (left is +) that the camera is from the reference's attitude:
 /// the twist of the rotation that takes it there, in (-pi, pi]. Pitch and roll do not enter.

@@ -81,6 +81,24 @@ LevelMotion predicted_change(const RecommendedHoldConfig& config, const HoldInpu
   return drift * age_s - own.way_since(input.estimate->stamp) + config.lag_s * (drift - own.rate());
 }
 
+// The velocity to command where way and velocity are both known in metres. The station (and the
+// wind) moved the drone by what it does beside its own model, and is taken to go on; then way and
+// velocity by now are known, and d'' = -2 p d' - p^2 d follows from w' = (u - w) / lag.
+std::optional<Vector3d> state_feedback(const RecommendedHoldConfig& config, const HoldInput& input,
+                                       const OwnMotion& own, const Vector3d& way_home_m) {
+  const double pole = config.state_feedback_pole_1_s;
+  const std::optional<Vector3d> velocity_m_s =
+      velocity_in_station_m_s(*input.estimate, input.station_from_camera);
+  if (!velocity_m_s || !config.predict || !(pole > 0)) return std::nullopt;
+  const Timestamp exposure = input.estimate->stamp;
+  const double age_s = seconds_between(exposure, input.now);
+  const Vector3d own_now = own.rate().head<3>();
+  const Vector3d carried = *velocity_m_s - own.rate_at(exposure).head<3>();
+  const Vector3d way = way_home_m - carried * age_s - own.way_since(exposure).head<3>();
+  const Vector3d velocity = carried + own_now;
+  return Vector3d(own_now + config.lag_s * (pole * pole * way - 2 * pole * velocity));
+}
+
 // The axes after a step, their integrals grown but not towards what the vehicle cannot follow.
 HoldAxes without_windup(const HoldAxes& before, const HoldAxes& after, const Vector3d& deficit) {
   HoldAxes axes = after;
@@ -158,10 +176,14 @@ HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input, cons
   } else {
     plan.way_home_in_station_m = *way;
     Vector3d velocity_m_s;
-    for (int i = 0; i < 3; ++i) {
-      const PidStep axis = step(recommended.position, axes[i], (*way)[i] + change[i], dt_s);
-      plan.axes[i] = axis.state;
-      velocity_m_s[i] = axis.output;
+    if (const auto wanted_m_s = state_feedback(recommended, input, own, *way)) {
+      velocity_m_s = *wanted_m_s;
+    } else {
+      for (int i = 0; i < 3; ++i) {
+        const PidStep axis = step(recommended.position, axes[i], (*way)[i] + change[i], dt_s);
+        plan.axes[i] = axis.state;
+        velocity_m_s[i] = axis.output;
+      }
     }
     wanted = rates_for_velocity(here, velocity_m_s, recommended.damped_within_m,
                                 recommended.alignment_gain_1_m);

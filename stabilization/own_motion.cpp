@@ -15,27 +15,37 @@ void OwnMotion::advance(Timestamp now) {
     const double gone = lag_s_ > 0 ? -std::expm1(-dt_s / lag_s_) : 1;
     next.way = last.way + command_ * dt_s + (rate_ - command_) * (lag_s_ * gone);
     rate_ += (command_ - rate_) * gone;
+    next.rate = rate_;
   }
   past_[count_ % kInstants] = next;
   ++count_;
 }
 
 LevelMotion OwnMotion::way_since(Timestamp since) const {
-  if (count_ == 0) return LevelMotion::Zero();
+  return count_ == 0 ? LevelMotion::Zero()
+                     : LevelMotion(past_[(count_ - 1) % kInstants].way - at(since).way);
+}
+
+LevelMotion OwnMotion::rate_at(Timestamp then) const {
+  return at(then).rate;
+}
+
+OwnMotion::Instant OwnMotion::at(Timestamp then) const {
+  if (count_ == 0) return {};
   const std::size_t kept = std::min(count_, kInstants);
   const Instant* later = &past_[(count_ - 1) % kInstants];
-  const LevelMotion now = later->way;
   for (std::size_t back = 1; back <= kept; ++back) {
     const Instant& here = past_[(count_ - back) % kInstants];
-    if (here.stamp <= since) {
+    if (here.stamp <= then) {
       const double between_s = seconds_between(here.stamp, later->stamp);
       const double ratio =
-          between_s > 0 ? std::min(1.0, seconds_between(here.stamp, since) / between_s) : 0.0;
-      return now - here.way - ratio * (later->way - here.way);
+          between_s > 0 ? std::min(1.0, seconds_between(here.stamp, then) / between_s) : 0.0;
+      return {then, here.way + ratio * (later->way - here.way),
+              here.rate + ratio * (later->rate - here.rate)};
     }
     later = &here;
   }
-  return now - later->way;
+  return *later;
 }
 
 }  // namespace stillkite

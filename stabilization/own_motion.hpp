@@ -28,12 +28,17 @@ class OwnMotion {
 
   /// Way from `since` to now; from the oldest instant that is remembered if `since` is before it.
   [[nodiscard]] LevelMotion way_since(Timestamp since) const;
+  /// Then; that of the oldest instant remembered if `then` is before it.
+  [[nodiscard]] LevelMotion rate_at(Timestamp then) const;
 
  private:
   struct Instant {
     Timestamp stamp;
     LevelMotion way = LevelMotion::Zero();
+    LevelMotion rate = LevelMotion::Zero();
   };
+  [[nodiscard]] Instant at(Timestamp then) const;
+
   static constexpr std::size_t kInstants = 128;  // two seconds at 60 Hz
 
   double lag_s_;
