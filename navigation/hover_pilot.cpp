@@ -30,7 +30,7 @@ MotionEstimate motion_estimate(const NavigationEstimate& estimate,
                                const RigidTransform& body_from_camera) {
   const RigidTransform start_from_camera =
       world_from_start.inverse() * (estimate.world_from_body * body_from_camera);
-  if (estimate.reference) {
+  if (estimate.source == EstimateSource::reference) {
     const MotionEstimate& seen = estimate.reference->motion;
     return estimate.reference->is_home ? seen
                                        : with_first_attitude(seen, start_from_camera.rotation);
@@ -39,7 +39,7 @@ MotionEstimate motion_estimate(const NavigationEstimate& estimate,
   const bool is_metric = estimate.scale != ScaleSource::none;
   MotionEstimate motion;
   motion.stamp = estimate.stamp;
-  motion.source = EstimateSource::flow;
+  motion.source = estimate.source;
   motion.status = flow_status(estimate.verdict);
   motion.reference_from_camera = start_from_camera.rotation;
   motion.rotation_covariance =

@@ -53,6 +53,7 @@ struct NavigationEstimate {
   Timestamp stamp;
   std::int64_t frame_index = 0;
   Verdict verdict = Verdict::first_frame;
+  EstimateSource source = EstimateSource::flow;
 
   RigidTransform world_from_body;
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in world

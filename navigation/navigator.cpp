@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "navigation/frame_interval.hpp"
+#include "navigation/fused_navigator.hpp"
 #include "navigation/keyframe_navigator.hpp"
 #include "navigation/paper_navigator.hpp"
 #include "navigation/reference_navigator.hpp"
@@ -12,7 +13,7 @@
 namespace stillkite {
 namespace {
 
-using Method = std::variant<KeyframeNavigator, PaperNavigator, ReferenceNavigator>;
+using Method = std::variant<KeyframeNavigator, PaperNavigator, ReferenceNavigator, FusedNavigator>;
 
 Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
                    const NavigatorConfig& config, const InitialState& initial,
@@ -29,6 +30,9 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
   }
   if (estimator.policy == Policy::reference) {
     return ReferenceNavigator(camera, body_from_camera, config, initial, estimator.mode);
+  }
+  if (estimator.policy == Policy::fused) {
+    return FusedNavigator(camera, body_from_camera, config, initial, estimator.mode);
   }
   if (estimator.mode == Mode::paper)
     return PaperNavigator(camera, body_from_camera, config, initial);

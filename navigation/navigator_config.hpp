@@ -1,5 +1,6 @@
 #pragma once
 
+#include "estimation/fusion_config.hpp"
 #include "estimation/keyframe_pose.hpp"
 #include "estimation/motion_filter.hpp"
 #include "estimation/plane_alignment.hpp"
@@ -18,11 +19,11 @@ struct EnumNames<Mode> {
 };
 
 /// Which estimator's motion is the answer.
-enum class Policy { flow, reference };
+enum class Policy { flow, reference, fused };
 template <>
 struct EnumNames<Policy> {
   static constexpr auto value = std::to_array<std::pair<Policy, std::string_view>>(
-      {{Policy::flow, "flow"}, {Policy::reference, "reference"}});
+      {{Policy::flow, "flow"}, {Policy::reference, "reference"}, {Policy::fused, "fused"}});
 };
 
 struct EstimatorConfig {
@@ -105,7 +106,8 @@ struct SensorConfig {
 };
 
 /// Everything a navigator can be told. `readout_s` to `filter` are the recommended mode's, `paper`
-/// is the flow paper's. The reference estimator's keys are listed beside these, not among them.
+/// is the flow paper's. The keys of the reference estimator and of the fusion are listed beside
+/// these, not among them.
 struct NavigatorConfig {
   double readout_s = 0;
   double initial_tilt_sigma_rad = 0.0175;
@@ -117,6 +119,7 @@ struct NavigatorConfig {
   SensorConfig sensors;
   TrustConfig trust;
   ReferenceConfig reference;
+  FusionConfig fusion;
 
   static void fields(auto& self, auto&& field) {
     field("readout_s", self.readout_s, Range{0, 0.1},

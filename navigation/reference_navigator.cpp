@@ -37,6 +37,10 @@ MotionEstimate motion_from(const RelativePoseEstimate& pose) {
   return motion;
 }
 
+Eigen::Vector3d up_in_camera(const Eigen::Quaterniond& world_from_camera) {
+  return world_from_camera.conjugate() * Eigen::Vector3d::UnitZ();
+}
+
 EstimateStatus status_of(Verdict verdict) {
   if (verdict == Verdict::ok || verdict == Verdict::first_frame) return EstimateStatus::ok;
   return verdict == Verdict::gated ? EstimateStatus::gated : EstimateStatus::lost;
@@ -61,9 +65,11 @@ ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransfor
 }
 
 NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInterval& interval,
-                                            const SensorReadings& /*readings*/) {
+                                            const SensorReadings& readings) {
   StopWatch watch;
   windows_.clear();
+  bearings_ = {};
+  inliers_.clear();
   twist_.reset();
   report_ = {.reference_stamp = reference_.stamp, .is_home = is_home_};
   // 1. The first frame is the one to hold. Nothing is learnt of a frozen picture, or out of turn.
@@ -74,11 +80,11 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   const FeatureTracks& tracks = association_.find(frame.grey);
   const double flow_ms = watch.lap_ms();
   // 3. Undistorted, they tell how the camera has turned and which way it has gone.
-  const FeatureBearings bearings = feature_bearings(camera_, tracks);
-  const RelativePoseEstimate pose = estimate(bearings.pairs);
+  bearings_ = feature_bearings(camera_, tracks);
+  const RelativePoseEstimate pose = estimate(bearings_.pairs, readings.attitude);
   // 4. Is it to be trusted? A rotation that changes too fast is not, three times.
   const Verdict verdict = judge(pose, tracks.found_count);
-  report(tracks, bearings, pose, verdict);
+  report(tracks, pose, verdict);
   if (verdict == Verdict::ok) turn(pose, frame.stamp);
   const double solve_ms = watch.lap_ms();
   // 5. Too few features left, or the time has come: this frame is the new reference.
@@ -94,14 +100,18 @@ NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
   return answer(frame, has_reference_ ? Verdict::first_frame : Verdict::too_little_texture);
 }
 
-RelativePoseEstimate ReferenceNavigator::estimate(const std::vector<BearingPair>& pairs) {
+RelativePoseEstimate ReferenceNavigator::estimate(
+    const std::vector<BearingPair>& pairs,
+    const std::optional<Eigen::Quaterniond>& world_from_body) const {
   if (config_.solver == PoseSolver::opencv) {
     return estimate_relative_pose_opencv(pairs, camera_.focal_x_px, config_.opencv_pose);
   }
-  return estimate_relative_pose(
-      pairs, camera_.focal_x_px, config_.pose,
-      {.prior = last_pose_,
-       .up_in_reference = reference_.world_from_camera.conjugate() * Eigen::Vector3d::UnitZ()});
+  RelativePoseHints hints{.prior = last_pose_,
+                          .up_in_reference = up_in_camera(reference_.world_from_camera)};
+  if (world_from_body) {
+    hints.up_in_current = up_in_camera(*world_from_body * body_from_camera_.rotation);
+  }
+  return estimate_relative_pose(pairs, camera_.focal_x_px, config_.pose, hints);
 }
 
 Verdict ReferenceNavigator::judge(const RelativePoseEstimate& pose, int features) {
@@ -117,16 +127,17 @@ bool ReferenceNavigator::is_swept_away(int features) const {
          features < kSuddenShare * features_before_;
 }
 
-void ReferenceNavigator::report(const FeatureTracks& tracks, const FeatureBearings& bearings,
-                                const RelativePoseEstimate& pose, Verdict verdict) {
+void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseEstimate& pose,
+                                Verdict verdict) {
   report_.model = pose.model;
   report_.features = tracks.found_count;
   report_.inliers = pose.inlier_count;
   report_.residual_px = pose.residual * camera_.focal_x_px;
   if (verdict == Verdict::ok || verdict == Verdict::gated) report_.motion = motion_from(pose);
   report_.motion.mean_shift_px = mean_shift_px(tracks);
-  report_.motion.parallax_rad = parallax_rad(bearings.pairs, pose);
-  windows_ = drawn_features(tracks, bearings, pose);
+  report_.motion.parallax_rad = parallax_rad(bearings_.pairs, pose);
+  windows_ = drawn_features(tracks, bearings_, pose);
+  inliers_ = pose.inliers;
 }
 
 void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
@@ -180,6 +191,7 @@ bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
 
 NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdict) const {
   NavigationEstimate out;
+  out.source = EstimateSource::reference;
   out.stamp = frame.stamp;
   out.frame_index = frame.index;
   out.verdict = verdict;

@@ -27,6 +27,11 @@ class ReferenceNavigator {
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
                           const SensorReadings& readings);
 
+  /// The features of the last frame and its pose; empty where none was looked for.
+  [[nodiscard]] const FeatureBearings& bearings() const { return bearings_; }
+  /// One a pair of the bearings, 1 where the pose explains it.
+  [[nodiscard]] const std::vector<unsigned char>& inliers() const { return inliers_; }
+
   /// The features of the last frame that its pose explains.
   [[nodiscard]] const std::vector<WindowFlow>& windows() const { return windows_; }
 
@@ -40,11 +45,12 @@ class ReferenceNavigator {
   };
 
   NavigationEstimate start(const Frame& frame);
-  [[nodiscard]] RelativePoseEstimate estimate(const std::vector<BearingPair>& pairs);
+  [[nodiscard]] RelativePoseEstimate estimate(
+      const std::vector<BearingPair>& pairs,
+      const std::optional<Eigen::Quaterniond>& world_from_body) const;
   [[nodiscard]] Verdict judge(const RelativePoseEstimate& pose, int features);
   [[nodiscard]] bool is_swept_away(int features) const;
-  void report(const FeatureTracks& tracks, const FeatureBearings& bearings,
-              const RelativePoseEstimate& pose, Verdict verdict);
+  void report(const FeatureTracks& tracks, const RelativePoseEstimate& pose, Verdict verdict);
   void turn(const RelativePoseEstimate& pose, Timestamp now);
   void renew_reference(const Frame& frame, int features, Verdict verdict);
   [[nodiscard]] bool take_reference(const Frame& frame, bool measured);
@@ -69,6 +75,8 @@ class ReferenceNavigator {
   int failures_ = 0;         // frames in a row that found too few features
   int features_before_ = 0;  // found in the last frame that was not lost
   ReferenceReport report_;
+  FeatureBearings bearings_;
+  std::vector<unsigned char> inliers_;
   std::vector<WindowFlow> windows_;
 };
 

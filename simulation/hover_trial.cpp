@@ -81,7 +81,11 @@ class Inbox {
  public:
   void take(const HoverReadings& readings) {
     for (const TetherSample& sample : readings.tether) tether_.push_back(sample);
-    if (!readings.attitude.empty()) attitude_ = readings.attitude.back().world_from_body;
+    for (const AttitudeReading& reading : readings.attitude) {
+      attitude_ = reading.world_from_body;
+      inertial_.push_back(
+          {reading.stamp, reading.angular_rate_in_body_rad_s, reading.specific_force_in_body_m_s2});
+    }
   }
   [[nodiscard]] std::optional<TetherReading> latest_tether(Timestamp now) {
     while (tether_.size() > 1 && tether_[1].available <= now) tether_.pop_front();
@@ -91,9 +95,19 @@ class Inbox {
   }
   /// With the picture of this instant, which the IMU stamps.
   [[nodiscard]] const Eigen::Quaterniond& attitude() const { return attitude_; }
+  /// Those up to then that have not been taken yet.
+  [[nodiscard]] std::vector<InertialReading> take_inertial(Timestamp until) {
+    std::vector<InertialReading> taken;
+    while (!inertial_.empty() && inertial_.front().stamp <= until) {
+      taken.push_back(inertial_.front());
+      inertial_.pop_front();
+    }
+    return taken;
+  }
 
  private:
   std::deque<TetherSample> tether_;
+  std::deque<InertialReading> inertial_;
   Eigen::Quaterniond attitude_ = Eigen::Quaterniond::Identity();
 };
 
@@ -198,10 +212,12 @@ TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world, const 
     // 2. A picture becomes a command.
     if (!pending.empty() && pending.front().due <= now) {
       const PendingFrame& ready = pending.front();
-      last = pilot.step(ready.frame, {.now = now,
-                                      .tether = inbox.latest_tether(now),
-                                      .station_from_body = station_from_world * ready.attitude,
-                                      .others = {}});
+      last =
+          pilot.step(ready.frame, {.now = now,
+                                   .tether = inbox.latest_tether(now),
+                                   .station_from_body = station_from_world * ready.attitude,
+                                   .others = {.attitude = ready.attitude,
+                                              .inertial = inbox.take_inertial(ready.frame.stamp)}});
       if (observer) observer(ready.frame, last.estimate, last.decision);
       pending.pop_front();
     }

@@ -1,0 +1,190 @@
+#include "navigation/fused_navigator.hpp"
+
+#include <algorithm>
+
+#include "navigation/assumptions.hpp"
+#include "navigation/stop_watch.hpp"
+
+namespace stillkite {
+namespace {
+
+InertialStep in_camera(const InertialReading& reading, double dt_s,
+                       const Eigen::Quaterniond& body_from_camera) {
+  const Eigen::Quaterniond camera_from_body = body_from_camera.conjugate();
+  return {.dt_s = dt_s,
+          .angular_rate_rad_s = camera_from_body * reading.angular_rate_in_body_rad_s,
+          .is_gyro = true,
+          .specific_force_m_s2 = camera_from_body * reading.specific_force_in_body_m_s2};
+}
+
+// The interval's readings, a step each; what they leave open has none.
+std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
+                                         Timestamp from, Timestamp to,
+                                         const Eigen::Quaterniond& body_from_camera) {
+  std::vector<InertialStep> steps;
+  steps.reserve(readings.size() + 1);
+  Timestamp at = from;
+  for (const InertialReading& reading : readings) {
+    if (reading.stamp <= at || reading.stamp > to) continue;
+    steps.push_back(in_camera(reading, seconds_between(at, reading.stamp), body_from_camera));
+    at = reading.stamp;
+  }
+  return steps;
+}
+
+}  // namespace
+
+FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_from_camera,
+                               const NavigatorConfig& config, const InitialState& initial,
+                               Mode mode)
+    : camera_(camera),
+      body_from_camera_(body_from_camera),
+      config_(config.fusion),
+      scale_(initial.scale),
+      flow_(camera, body_from_camera, config, initial),
+      reference_(camera, body_from_camera, config, initial, mode),
+      filter_(config.fusion, initial.world_from_body * body_from_camera,
+              kAnySpeed_heights_s * initial.world_from_body.translation.z()) {}
+
+NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval& interval,
+                                        const SensorReadings& readings) {
+  // 1. Either estimator by itself.
+  const NavigationEstimate flow = flow_.step(frame, interval, readings);
+  NavigationEstimate reference = reference_.step(frame, interval, readings);
+  StopWatch watch;
+  // 2. Where the camera is by now, by its inertia.
+  if (interval.spoiled == Verdict::first_frame) last_ = frame.stamp;
+  predict(interval, readings, frame.stamp, reference.reference->motion.twist_in_camera);
+  if (readings.attitude) {
+    const Eigen::Quaterniond world_from_camera = *readings.attitude * body_from_camera_.rotation;
+    filter_.update_up(world_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
+  }
+  // 3. How fast the flow says it goes; how the reference's features have moved.
+  judge_ground(*reference.reference);
+  const bool flow_taken = !interval.spoiled && is_ground_flat_ && see_flow(flow);
+  const bool landmarks_taken = !interval.spoiled && see_landmarks();
+  // 4. A new reference: the camera, wherever it is, is what the landmarks are seen from.
+  if (reference.reference->new_reference) filter_.take_anchor();
+  const bool is_measured = flow_taken || landmarks_taken;
+  const Verdict verdict = interval.spoiled                   ? *interval.spoiled
+                          : is_measured                      ? Verdict::ok
+                          : reference.verdict == Verdict::ok ? Verdict::too_few_inliers
+                                                             : reference.verdict;
+  NavigationEstimate out = answer(frame, verdict);
+  for (std::size_t i = 0; i < out.stage_ms.size(); ++i) {
+    out.stage_ms[i] = flow.stage_ms[i] + reference.stage_ms[i];
+  }
+  out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
+  out.new_keyframe = reference.new_keyframe;
+  out.quality = reference.quality;
+  out.reference = reference.reference;
+  return out;
+}
+
+void FusedNavigator::predict(const FrameInterval& interval, const SensorReadings& readings,
+                             Timestamp now, const std::optional<Twist>& picture_rate) {
+  if (now <= last_) return;
+  const std::vector<InertialStep> steps =
+      inertial_steps(readings.inertial, last_, now, body_from_camera_.rotation);
+  const Eigen::Quaterniond before = filter_.state().world_from_camera.rotation;
+  double left_s = seconds_between(last_, now);
+  for (const InertialStep& step : steps) {
+    filter_.predict(step);
+    left_s -= step.dt_s;
+  }
+  // what no IMU covers
+  if (left_s > 1e-6) {
+    InertialStep step{
+        .dt_s = left_s, .angular_rate_rad_s = {}, .is_gyro = false, .specific_force_m_s2 = {}};
+    if (readings.mean_angular_rate_in_body_rad_s) {
+      step.is_gyro = true;
+      step.angular_rate_rad_s =
+          body_from_camera_.rotation.conjugate() * *readings.mean_angular_rate_in_body_rad_s;
+    } else if (picture_rate) {
+      step.angular_rate_rad_s = picture_rate->angular_rate_rad_s;
+    }
+    filter_.predict(step);
+  }
+  rate_in_camera_rad_s_ = so3_log(before.conjugate() * filter_.state().world_from_camera.rotation) /
+                          std::max(interval.dt_s, 1e-3);
+  last_ = now;
+}
+
+// The flow takes what it sees for flat ground: where the features show depth its metres are wrong
+// ones, and before they have shown anything nobody knows.
+void FusedNavigator::judge_ground(const ReferenceReport& reference) {
+  if (reference.model == ViewModel::plane) is_ground_flat_ = true;
+  if (reference.model == ViewModel::general) is_ground_flat_ = false;
+}
+
+bool FusedNavigator::see_flow(const NavigationEstimate& flow) {
+  if (flow.verdict != Verdict::ok) return false;
+  return filter_.update_flow_velocity(flow.twist_in_camera.velocity_m_s,
+                                      flow.twist_covariance.topLeftCorner<3, 3>());
+}
+
+bool FusedNavigator::see_landmarks() {
+  choose_landmarks();
+  const FeatureBearings& bearings = reference_.bearings();
+  const std::vector<unsigned char>& inliers = reference_.inliers();
+  int taken = 0;
+  for (std::size_t i = 0; i < std::min(bearings.pairs.size(), inliers.size()); ++i) {
+    if (inliers[i] == 0) continue;
+    const int feature = static_cast<int>(bearings.feature_of_pair[i]);
+    if (filter_.update_landmark(feature, bearings.pairs[i].current, camera_.focal_x_px)) ++taken;
+  }
+  filter_.drop_refused();
+  filter_.update_ground();
+  return taken >= config_.min_landmarks;
+}
+
+// Spread over the picture: each next one as far from those at hand as can be.
+void FusedNavigator::choose_landmarks() {
+  const FeatureBearings& bearings = reference_.bearings();
+  const std::vector<unsigned char>& inliers = reference_.inliers();
+  const std::size_t count = std::min(bearings.pairs.size(), inliers.size());
+  const auto lacking = static_cast<std::size_t>(config_.landmarks) - filter_.landmarks().size();
+  if (lacking == 0 || count == 0) return;
+  std::vector<double> distance(count, 1e9);
+  const auto keep_away = [&](const Eigen::Vector2d& from) {
+    for (std::size_t i = 0; i < count; ++i) {
+      distance[i] = std::min(distance[i], (bearings.pairs[i].reference - from).squaredNorm());
+    }
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (inliers[i] == 0) distance[i] = 0;
+  }
+  for (const Landmark& landmark : filter_.landmarks()) keep_away(landmark.bearing);
+  for (std::size_t added = 0; added < lacking; ++added) {
+    const auto farthest = std::max_element(distance.begin(), distance.end());
+    constexpr double kApart = 0.02;
+    if (!(*farthest > kApart * kApart)) return;
+    const auto i = static_cast<std::size_t>(farthest - distance.begin());
+    const Eigen::Vector2d bearing = bearings.pairs[i].reference;
+    filter_.add_landmark(static_cast<int>(bearings.feature_of_pair[i]), bearing,
+                         camera_.focal_x_px);
+    keep_away(bearing);
+  }
+}
+
+NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) const {
+  NavigationEstimate out;
+  out.stamp = frame.stamp;
+  out.frame_index = frame.index;
+  out.verdict = verdict;
+  out.source = EstimateSource::fused;
+  const RigidTransform world_from_camera = filter_.world_from_camera_m();
+  out.world_from_body = world_from_camera * body_from_camera_.inverse();
+  out.pose_covariance = filter_.pose_covariance();
+  out.velocity_in_world_m_s = filter_.velocity_in_world_m_s();
+  const Eigen::Matrix3d R_t = world_from_camera.rotation.conjugate().toRotationMatrix();
+  out.twist_in_camera = {R_t * out.velocity_in_world_m_s, rate_in_camera_rad_s_};
+  out.twist_covariance.topLeftCorner<3, 3>() =
+      R_t * filter_.velocity_covariance() * R_t.transpose();
+  out.twist_covariance.bottomRightCorner<3, 3>().diagonal().setConstant(config_.gyro_density *
+                                                                        config_.gyro_density);
+  out.scale = scale_;
+  return out;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "estimation/fusion_filter.hpp"
+#include "navigation/frame_interval.hpp"
+#include "navigation/keyframe_navigator.hpp"
+#include "navigation/reference_navigator.hpp"
+
+namespace stillkite {
+
+/// Both estimators on the same frames and one filter that knows more than either: the flow's
+/// velocity has a scale but drifts, the reference's features do not drift but have none
+/// (docs/fusion.md).
+class FusedNavigator {
+ public:
+  FusedNavigator(const Camera& camera, const RigidTransform& body_from_camera,
+                 const NavigatorConfig& config, const InitialState& initial, Mode mode);
+
+  NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
+                          const SensorReadings& readings);
+
+  /// The reference's features.
+  [[nodiscard]] const std::vector<WindowFlow>& windows() const { return reference_.windows(); }
+
+ private:
+  void predict(const FrameInterval& interval, const SensorReadings& readings, Timestamp now,
+               const std::optional<Twist>& picture_rate);
+  void judge_ground(const ReferenceReport& reference);
+  [[nodiscard]] bool see_flow(const NavigationEstimate& flow);
+  [[nodiscard]] bool see_landmarks();
+  void choose_landmarks();
+  [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
+
+  Camera camera_;
+  RigidTransform body_from_camera_;
+  FusionConfig config_;
+  ScaleSource scale_;
+  KeyframeNavigator flow_;
+  ReferenceNavigator reference_;
+  FusionFilter filter_;
+  Timestamp last_;
+  bool is_ground_flat_ = false;
+  Eigen::Vector3d rate_in_camera_rad_s_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace stillkite
