@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "bench/opencv_hold.hpp"
+#include "bench/processor_watch.hpp"
 #include "flow/pyramid.hpp"
 #include "geometry/angle.hpp"
 #include "navigation/hover_pilot.hpp"
@@ -69,7 +70,7 @@ View view_of(const PatchScene& scene, const PatchRenderer& renderer, const Hover
                         .world_from_camera_at_closing = pose(t_s + 0.5 * camera.shutter_s),
                         .instants = camera.shutter_samples};
   View view{.grey = {}, .world_from_camera = pose(t_s)};
-  StopWatch watch;
+  ProcessorWatch watch;
   const cv::Mat light = renderer.render(scene, shutter);
   view.render_ms = watch.lap_ms();
   view.grey = develop(light, {.noise_grey = camera.noise_grey}, seed);
@@ -106,7 +107,7 @@ class OpenCvContestant {
 
   void run(const cv::Mat& reference, const View& view, const TetheredReadings& readings,
            const RigidTransform& truth) {
-    StopWatch watch;
+    ProcessorWatch watch;
     hold_.set_reference(reference);
     row_.ms["reference"].push_back(watch.lap_ms());
     OpenCvHoldEstimate estimate = hold_.step(view.grey);
@@ -153,10 +154,13 @@ HoverPilot make_pilot(const ReferenceConfig& reference) {
           {.world_from_body = {Eigen::Quaterniond::Identity(), {0, 0, 2}}}};
 }
 
-void note(Row& row, const PilotStep& step, double cycle_ms, const RigidTransform& truth) {
+// The navigator's stages are in wall time.
+void note(Row& row, const PilotStep& step, double cycle_ms, double wall_ms,
+          const RigidTransform& truth) {
   const auto& stage_ms = step.estimate.stage_ms;
-  const double flow_ms = stage_ms[static_cast<std::size_t>(Stage::flow)];
-  const double solve_ms = stage_ms[static_cast<std::size_t>(Stage::solve)];
+  const double share = cycle_ms / wall_ms;
+  const double flow_ms = share * stage_ms[static_cast<std::size_t>(Stage::flow)];
+  const double solve_ms = share * stage_ms[static_cast<std::size_t>(Stage::solve)];
   row.ms["flow"].push_back(flow_ms);
   row.ms["solve"].push_back(solve_ms);
   row.ms["control"].push_back(cycle_ms - flow_ms - solve_ms);
@@ -179,16 +183,18 @@ class OurContestant {
   }
   void run(const cv::Mat& reference, const View& view, std::int64_t index,
            const TetheredReadings& readings, const RigidTransform& truth) {
-    StopWatch watch;
+    ProcessorWatch watch;
+    StopWatch wall;
     const PilotStep flown = step(view, index, readings);
-    note(warm_, flown, watch.lap_ms(), truth);
+    note(warm_, flown, watch.lap_ms(), wall.lap_ms(), truth);
     HoverPilot anew = make_pilot(config_);
     (void)watch.lap_ms();
     (void)anew.step({.stamp = from_seconds(0), .index = 0, .grey = reference}, {});
     const double reference_ms = watch.lap_ms();
+    (void)wall.lap_ms();
     const PilotStep first =
         anew.step({.stamp = from_seconds(1.0 / 30), .index = 1, .grey = view.grey}, readings);
-    note(cold_, first, watch.lap_ms(), truth);
+    note(cold_, first, watch.lap_ms(), wall.lap_ms(), truth);
     cold_.ms["reference"].push_back(reference_ms);
     pyramid_.build(view.grey, config_.windows.levels);
     (void)watch.lap_ms();
@@ -238,7 +244,7 @@ int run(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
 
   cv::setNumThreads(1);
-  StopWatch room_watch;
+  ProcessorWatch room_watch;
   const PatchScene scene = make_room(static_cast<std::uint64_t>(seed));
   const double room_ms = room_watch.lap_ms();
   const SimulatedCameraConfig camera = hover_camera();
@@ -284,7 +290,7 @@ int run(int argc, char** argv) {
   }
 
   fmt::print("{:<34}{:>10}{:>9}{:>8}{:>8}{:>9}{:>8}{:>9}{:>10}{:>10}{:>7}{:>9}\n",
-             "median ms, errors in degrees", "reference", "pyramid", "flow", "solve", "control",
+             "medians: processor ms, degrees", "reference", "pyramid", "flow", "solve", "control",
              "cycle", "times", "rotation", "direction", "found", "answers");
   const double opencv_ms = median_ms(ransac.row().ms.at("cycle"));
   for (const Row* row : {&ransac.row(), &magsac.row(), &paper.warm(), &paper.cold(),

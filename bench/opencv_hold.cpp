@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "navigation/stop_watch.hpp"
+#include "bench/processor_watch.hpp"
 
 namespace stillkite::bench {
 namespace {
@@ -47,7 +47,7 @@ void OpenCvHold::set_reference(const cv::Mat& grey) {
 
 OpenCvHoldEstimate OpenCvHold::step(const cv::Mat& grey) const {
   OpenCvHoldEstimate out;
-  StopWatch watch;
+  ProcessorWatch watch;
   std::vector<cv::Mat> pyramid;
   cv::buildOpticalFlowPyramid(grey, pyramid, kWindow_px, kMaxLevel);
   out.ms[kPyramid] = watch.lap_ms();

@@ -1,3 +1,5 @@
+#include <bit>
+
 #include "simulation/patch_kernel.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -5,6 +7,8 @@
 #include <hwy/foreach_target.h>
 // must follow foreach_target.h
 #include <hwy/highway.h>
+// highway.h first
+#include <hwy/cache_control.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace stillkite {
@@ -37,8 +41,8 @@ HWY_INLINE VF byte_of(VU quad) {
 }
 
 HWY_INLINE VF within_quad(VU quad, VF a, VF b) {
-  return blend(blend(byte_of<0>(quad), byte_of<8>(quad), a),
-               blend(byte_of<16>(quad), byte_of<24>(quad), a), b);
+  return blend(blend(byte_of<0>(quad), byte_of<16>(quad), a),
+               blend(byte_of<8>(quad), byte_of<24>(quad), a), b);
 }
 
 // A coordinate reflected about the centres of the first and the last texel.
@@ -49,29 +53,35 @@ HWY_INLINE VF reflect(VF u, int size) {
   return hn::Abs(hn::NegMulAdd(turns, hn::Set(f, period), u));
 }
 
-// One pyramid level at coordinates of the finest one.
-HWY_INLINE VF sample(const PatchView& patch, int number, VF u, VF v) {
+// Four texels about a place in a picture: their bytes' offset, and how far on it is between them.
+struct QuadPlace {
+  VI offset;
+  VF a, b;
+};
+
+// On one pyramid level, from coordinates of the finest one.
+HWY_INLINE QuadPlace place_on(const PatchView& patch, int number, VF u, VF v) {
   const F f;
   const I i;
   const GroundTexture::Level& level = patch.levels[number];
-  const VF half = hn::Set(f, 0.5F);
-  const VF scale = hn::Set(f, 1.0F / static_cast<float>(1 << number));
+  const float scale = std::bit_cast<float>((127 - number) << 23);  // 2^-number
+  const VF shift = hn::Set(f, 0.5F * scale - 0.5F);
   const VF last_u = hn::Set(f, static_cast<float>(level.width - 1));
   const VF last_v = hn::Set(f, static_cast<float>(level.height - 1));
-  const VF at_u = hn::Min(hn::Max(hn::MulSub(hn::Add(u, half), scale, half), hn::Zero(f)), last_u);
-  const VF at_v = hn::Min(hn::Max(hn::MulSub(hn::Add(v, half), scale, half), hn::Zero(f)), last_v);
+  const VF at_u = hn::Min(hn::Max(hn::MulAdd(u, hn::Set(f, scale), shift), hn::Zero(f)), last_u);
+  const VF at_v = hn::Min(hn::Max(hn::MulAdd(v, hn::Set(f, scale), shift), hn::Zero(f)), last_v);
   const VI column = hn::ConvertTo(i, at_u);
   const VI row = hn::ConvertTo(i, at_v);
-  const VI index = hn::Add(hn::Mul(row, hn::Set(i, level.pitch)), column);
-  const VU quad = hn::GatherIndex(U(), patch.words + level.offset, index);
-  return within_quad(quad, hn::Sub(at_u, hn::ConvertTo(f, column)),
-                     hn::Sub(at_v, hn::ConvertTo(f, row)));
+  const VI index = hn::Add(hn::Mul(row, hn::Set(i, level.pitch)),
+                           hn::Add(column, hn::Set(i, static_cast<std::int32_t>(level.offset))));
+  return {hn::ShiftLeft<1>(index), hn::Sub(at_u, hn::ConvertTo(f, column)),
+          hn::Sub(at_v, hn::ConvertTo(f, row))};
 }
 
-// From the pyramid level of the logarithm of the footprint, rounded up for as many samples of a
-// pixel as its fraction says: their mean goes over from level to level, for one read a sample.
+// On the pyramid level of the logarithm of the footprint, rounded up for as many samples of a pixel
+// as its fraction says: their mean goes over from level to level, for one read a sample.
 // `seen`: where it matters.
-HWY_INLINE VF shade(const PatchView& patch, VF x, VF y, float round_up, Mask seen) {
+HWY_INLINE QuadPlace place_in(const PatchView& patch, VF x, VF y, float round_up, Mask seen) {
   const F f;
   const I i;
   const VF inverse_depth = hn::IfThenElse(seen, along(patch.inverse_depth, x, y), hn::Set(f, 1.0F));
@@ -90,26 +100,50 @@ HWY_INLINE VF shade(const PatchView& patch, VF x, VF y, float round_up, Mask see
   const auto last = static_cast<float>(patch.level_count - 1);
   const VF level = hn::Min(hn::Floor(hn::Add(logarithm, hn::Set(f, round_up))), hn::Set(f, last));
   const float first = hn::GetLane(level);
-  if (hn::AllTrue(f, hn::Eq(level, hn::Set(f, first)))) {
-    return sample(patch, static_cast<int>(first), u, v);
-  }
+  const QuadPlace there = place_on(patch, static_cast<int>(first), u, v);
+  if (hn::AllTrue(f, hn::Eq(level, hn::Set(f, first)))) return there;
+
+  QuadPlace place = there;
   const int lowest = static_cast<int>(hn::GetLane(hn::MinOfLanes(f, level)));
   const int highest = static_cast<int>(hn::GetLane(hn::MaxOfLanes(f, level)));
-  VF grey = hn::Zero(f);
   for (int number = lowest; number <= highest; ++number) {
-    const Mask here = hn::And(seen, hn::Eq(level, hn::Set(f, static_cast<float>(number))));
+    const Mask here = hn::Eq(level, hn::Set(f, static_cast<float>(number)));
     if (hn::AllFalse(f, here)) continue;
-    grey = hn::IfThenElse(here, sample(patch, number, u, v), grey);
+    const QuadPlace other = place_on(patch, number, u, v);
+    place = {hn::IfThenElse(hn::RebindMask(i, here), other.offset, place.offset),
+             hn::IfThenElse(here, other.a, place.a), hn::IfThenElse(here, other.b, place.b)};
   }
-  return grey;
+  return place;
 }
 
-HWY_INLINE VF nearest_of(const PatchTileRow& row, VF x, VF y, float round_up) {
+HWY_INLINE VF cubic(const std::array<float, 4>& a, VF t) {
+  const F f;
+  const VF upper = hn::MulAdd(hn::Set(f, a[3]), t, hn::Set(f, a[2]));
+  return hn::MulAdd(hn::MulAdd(upper, t, hn::Set(f, a[1])), t, hn::Set(f, a[0]));
+}
+
+constexpr int kColumns = BearingSegment::kColumns;
+constexpr int kTilePixels = PatchTile::kRows * kColumns;
+
+// The bearings of a vector of pixels, the first of them that many on from the tile's first.
+struct Bearings {
+  VF x, y;
+};
+HWY_INLINE Bearings bearings_at(const PatchTile& tile, int first) {
+  const F f;
+  const BearingSegment& segment = *tile.segments[first / kColumns];
+  const float middle = 0.5F * (kColumns - 1) - tile.offset;
+  const VF t = hn::Iota(f, static_cast<float>(first % kColumns) - middle);
+  return {cubic(segment.x, t), cubic(segment.y, t)};
+}
+
+// The number of the nearest candidate, -1 where there is none.
+HWY_INLINE VF nearest_of(const PatchTile& tile, VF x, VF y) {
   const F f;
   VF nearest = hn::Zero(f);  // in inverse depth
   VF winner = hn::Set(f, -1.0F);
-  for (int k = 0; k < row.candidate_count; ++k) {
-    const PatchView& patch = *row.candidates[k];
+  for (int k = 0; k < tile.candidate_count; ++k) {
+    const PatchView& patch = *tile.candidates[k];
     const VF inverse_depth = along(patch.inverse_depth, x, y);
     const VF u = along(patch.u, x, y);
     const VF v = along(patch.v, x, y);
@@ -121,38 +155,67 @@ HWY_INLINE VF nearest_of(const PatchTileRow& row, VF x, VF y, float round_up) {
     nearest = hn::IfThenElse(wins, inverse_depth, nearest);
     winner = hn::IfThenElse(wins, hn::Set(f, static_cast<float>(k)), winner);
   }
-  VF grey = hn::Set(f, row.background_grey);
-  for (int k = 0; k < row.candidate_count; ++k) {
-    const Mask seen = hn::Eq(winner, hn::Set(f, static_cast<float>(k)));
-    if (hn::AllFalse(f, seen)) continue;
-    grey = hn::IfThenElse(seen, shade(*row.candidates[k], x, y, round_up, seen), grey);
-    if (hn::AllTrue(f, seen)) break;
+  return winner;
+}
+
+// Adds one patch where `winners` has its number (everywhere: it covers the tile). First all places
+// are computed and their memory is asked for, then it is read: a tile's texels come from far away,
+// and waiting for each alone would take longer than all else.
+template <bool kEverywhere>
+HWY_INLINE void add_patch(const PatchTile& tile, int number, const float* winners) {
+  const F f;
+  const I i;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const PatchView& patch = *tile.candidates[number];
+  const VF wanted = hn::Set(f, static_cast<float>(number));
+  HWY_ALIGN std::array<std::int32_t, kTilePixels> offsets;
+  HWY_ALIGN std::array<float, kTilePixels> a;
+  HWY_ALIGN std::array<float, kTilePixels> b;
+  std::array<std::int16_t, kTilePixels> firsts;
+  int count = 0;
+  for (int first = 0; first < tile.rows * kColumns; first += lanes) {
+    const Mask seen =
+        kEverywhere ? hn::Eq(wanted, wanted) : hn::Eq(hn::Load(f, winners + first), wanted);
+    if (!kEverywhere && hn::AllFalse(f, seen)) continue;
+    const Bearings bearing = bearings_at(tile, first);
+    const QuadPlace place = place_in(patch, bearing.x, bearing.y, tile.round_up, seen);
+    const int at = lanes * count;
+    hn::Store(place.offset, i, &offsets[at]);
+    hn::Store(place.a, f, &a[at]);
+    hn::Store(place.b, f, &b[at]);
+    hwy::Prefetch(patch.pairs + offsets[at]);
+    hwy::Prefetch(patch.pairs + offsets[at + lanes - 1]);
+    firsts[count++] = static_cast<std::int16_t>(first);
   }
-  return grey;
-}
-
-HWY_INLINE VF cubic(const std::array<float, 4>& a, VF t) {
-  const F f;
-  const VF upper = hn::MulAdd(hn::Set(f, a[3]), t, hn::Set(f, a[2]));
-  return hn::MulAdd(hn::MulAdd(upper, t, hn::Set(f, a[1])), t, hn::Set(f, a[0]));
-}
-
-void add_row(const PatchTileRow& row) {
-  const F f;
-  const Mask everywhere = hn::Eq(hn::Zero(f), hn::Zero(f));
-  constexpr int kColumns = BearingSegment::kColumns;
-  for (int column = 0; column < kColumns; column += static_cast<int>(hn::Lanes(f))) {
-    const VF pixel = hn::Iota(f, static_cast<float>(column) - 0.5F * (kColumns - 1));
-    VF sum = hn::LoadU(f, row.grey + column);
-    for (int k = 0; k < row.samples; ++k) {
-      const VF t = hn::Add(pixel, hn::Set(f, row.offsets[k]));
-      const VF x = cubic(row.segments[k]->x, t);
-      const VF y = cubic(row.segments[k]->y, t);
-      sum = hn::Add(sum, row.covered ? shade(*row.candidates[0], x, y, row.round_up[k], everywhere)
-                                     : nearest_of(row, x, y, row.round_up[k]));
+  const auto* quads = reinterpret_cast<const std::uint32_t*>(patch.pairs);
+  for (int k = 0; k < count; ++k) {
+    const VU quad = hn::GatherOffset(U(), quads, hn::Load(i, &offsets[lanes * k]));
+    const VF grey = within_quad(quad, hn::Load(f, &a[lanes * k]), hn::Load(f, &b[lanes * k]));
+    const int first = firsts[k];
+    const VF sum = hn::LoadU(f, tile.grey + first);
+    if constexpr (kEverywhere) {
+      hn::StoreU(hn::Add(sum, grey), f, tile.grey + first);
+    } else {
+      const Mask seen = hn::Eq(hn::Load(f, winners + first), wanted);
+      hn::StoreU(hn::Add(sum, hn::IfThenElseZero(seen, grey)), f, tile.grey + first);
     }
-    hn::StoreU(sum, f, row.grey + column);
   }
+}
+
+void add_tile_kernel(const PatchTile& tile) {
+  if (tile.covered) return add_patch<true>(tile, 0, nullptr);
+  const F f;
+  const VF background = hn::Set(f, tile.background_grey);
+  HWY_ALIGN std::array<float, kTilePixels> winners;
+  for (int first = 0; first < tile.rows * kColumns; first += static_cast<int>(hn::Lanes(f))) {
+    const Bearings bearing = bearings_at(tile, first);
+    const VF winner = nearest_of(tile, bearing.x, bearing.y);
+    hn::Store(winner, f, &winners[first]);
+    const VF sum = hn::LoadU(f, tile.grey + first);
+    const VF bare = hn::IfThenElseZero(hn::Lt(winner, hn::Zero(f)), background);
+    hn::StoreU(hn::Add(sum, bare), f, tile.grey + first);
+  }
+  for (int k = 0; k < tile.candidate_count; ++k) add_patch<false>(tile, k, winners.data());
 }
 
 }  // namespace HWY_NAMESPACE
@@ -162,10 +225,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace stillkite {
 
-HWY_EXPORT(add_row);
+HWY_EXPORT(add_tile_kernel);
 
-void add_tile_row(const PatchTileRow& row) {
-  HWY_DYNAMIC_DISPATCH(add_row)(row);
+void add_tile(const PatchTile& tile) {
+  HWY_DYNAMIC_DISPATCH(add_tile_kernel)(tile);
 }
 
 }  // namespace stillkite

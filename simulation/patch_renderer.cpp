@@ -13,8 +13,7 @@ namespace stillkite {
 namespace {
 
 constexpr int kTileColumns = BearingSegment::kColumns;
-constexpr int kTileRows = 16;
-constexpr int kMaxPatchSamples = 16;
+constexpr int kTileRows = PatchTile::kRows;
 
 float at(const std::array<float, 4>& cubic, float t) {
   return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]));
@@ -65,33 +64,26 @@ struct TilePlace {
   int segment = 0;
 };
 
-// What a tile shows at one of the instants that share the samples of a pixel.
+// What a tile shows at one of the instants that share the samples of a pixel, added to `light`.
 using TileLight = std::array<float, kTileColumns * kTileRows>;
-TileLight with_instant(const TileLight& before, const BearingTable& bearings,
-                       const VisiblePatches& visible, const TilePlace& place, int instant,
-                       int instants, float background_grey) {
-  TileLight light = before;
+TileLight with_instant(TileLight light, const BearingTable& bearings, const VisiblePatches& visible,
+                       const TilePlace& place, int instant, int instants, float background_grey) {
   const int supersampling = bearings.supersampling;
-  const int samples = supersampling * supersampling / instants;
-  std::array<const BearingSegment*, kMaxPatchSamples> segments{};
-  std::array<float, kMaxPatchSamples> offsets{};
-  std::array<float, kMaxPatchSamples> round_up{};
-  for (int row = 0; row < place.rows; ++row) {
-    for (int k = 0; k < samples; ++k) {
-      const int sample = k * instants + instant;
-      segments[k] = bearings.row(place.first_row + row, sample / supersampling) + place.segment;
-      round_up[k] = rounding_of(sample, supersampling * supersampling);
-      offsets[k] = static_cast<float>(sample_offset(sample % supersampling, supersampling));
+  const int samples = supersampling * supersampling;
+  std::array<const BearingSegment*, kTileRows> segments{};
+  for (int sample = instant; sample < samples; sample += instants) {
+    for (int row = 0; row < place.rows; ++row) {
+      segments[row] = bearings.row(place.first_row + row, sample / supersampling) + place.segment;
     }
-    add_tile_row({.candidates = visible.patches.data(),
-                  .candidate_count = static_cast<int>(visible.patches.size()),
-                  .covered = visible.covered,
-                  .background_grey = background_grey,
-                  .samples = samples,
-                  .segments = segments.data(),
-                  .offsets = offsets.data(),
-                  .round_up = round_up.data(),
-                  .grey = &light[row * kTileColumns]});
+    add_tile({.candidates = visible.patches.data(),
+              .candidate_count = static_cast<int>(visible.patches.size()),
+              .covered = visible.covered,
+              .background_grey = background_grey,
+              .rows = place.rows,
+              .segments = segments.data(),
+              .offset = static_cast<float>(sample_offset(sample % supersampling, supersampling)),
+              .round_up = rounding_of(sample, samples),
+              .grey = light.data()});
   }
   return light;
 }

@@ -56,7 +56,7 @@ std::optional<PatchView> view_of(const Patch& patch, const RigidTransform& camer
                    .texels_per_cubed_depth = static_cast<float>(
                        1 / (distance_m * focal_px * focal_px * texel_m * texel_m)),
                    .mirrored = width > finest.width - 1 || height > finest.height - 1,
-                   .words = texture.words(),
+                   .pairs = texture.pairs(),
                    .levels = texture.levels().data(),
                    .level_count = static_cast<int>(texture.levels().size())};
 }
