@@ -1,6 +1,6 @@
-#include <bit>
-
 #include "simulation/patch_kernel.hpp"
+
+#include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simulation/patch_kernel.cpp"
@@ -36,8 +36,10 @@ HWY_INLINE VF blend(VF a, VF b, VF ratio) {
 
 template <int kShift>
 HWY_INLINE VF byte_of(VU quad) {
-  const VU shifted = hn::And(hn::ShiftRight<kShift>(quad), hn::Set(U(), 255U));
-  return hn::ConvertTo(F(), hn::BitCast(I(), shifted));
+  VU byte = quad;
+  if constexpr (kShift > 0) byte = hn::ShiftRight<kShift>(byte);
+  if constexpr (kShift < 24) byte = hn::And(byte, hn::Set(U(), 255U));
+  return hn::ConvertTo(F(), hn::BitCast(I(), byte));
 }
 
 HWY_INLINE VF within_quad(VU quad, VF a, VF b) {
@@ -46,9 +48,9 @@ HWY_INLINE VF within_quad(VU quad, VF a, VF b) {
 }
 
 // A coordinate reflected about the centres of the first and the last texel.
-HWY_INLINE VF reflect(VF u, int size) {
+HWY_INLINE VF reflect(VF u, float last) {
   const F f;
-  const float period = 2 * static_cast<float>(size - 1);
+  const float period = 2 * last;
   const VF turns = hn::Round(hn::Mul(u, hn::Set(f, 1 / period)));
   return hn::Abs(hn::NegMulAdd(turns, hn::Set(f, period), u));
 }
@@ -59,48 +61,77 @@ struct QuadPlace {
   VF a, b;
 };
 
-// On one pyramid level, from coordinates of the finest one.
-HWY_INLINE QuadPlace place_on(const PatchView& patch, int number, VF u, VF v) {
+// On one pyramid level, from coordinates of the finest one. Whole numbers up to 2^22 are the last
+// bits of 2^23 plus them: shorter than conversions, which look after what is too large.
+HWY_INLINE QuadPlace place_on(const PatchLevel& level, VF u, VF v) {
   const F f;
-  const I i;
-  const GroundTexture::Level& level = patch.levels[number];
-  const float scale = std::bit_cast<float>((127 - number) << 23);  // 2^-number
-  const VF shift = hn::Set(f, 0.5F * scale - 0.5F);
-  const VF last_u = hn::Set(f, static_cast<float>(level.width - 1));
-  const VF last_v = hn::Set(f, static_cast<float>(level.height - 1));
-  const VF at_u = hn::Min(hn::Max(hn::MulAdd(u, hn::Set(f, scale), shift), hn::Zero(f)), last_u);
-  const VF at_v = hn::Min(hn::Max(hn::MulAdd(v, hn::Set(f, scale), shift), hn::Zero(f)), last_v);
-  const VI column = hn::ConvertTo(i, at_u);
-  const VI row = hn::ConvertTo(i, at_v);
-  const VI index = hn::Add(hn::Mul(row, hn::Set(i, level.pitch)),
-                           hn::Add(column, hn::Set(i, static_cast<std::int32_t>(level.offset))));
-  return {hn::ShiftLeft<1>(index), hn::Sub(at_u, hn::ConvertTo(f, column)),
-          hn::Sub(at_v, hn::ConvertTo(f, row))};
+  const U w;
+  constexpr float kToBits = 0x1.0p23F;
+  constexpr std::uint32_t kBits = 0x4b000000U;  // of kToBits
+  const VF scale = hn::Set(f, level.scale);
+  const VF shift = hn::Set(f, level.shift);
+  const VF zero = hn::Zero(f);
+  const VF at_u = hn::Min(hn::Max(hn::MulAdd(u, scale, shift), zero), hn::Set(f, level.last_u));
+  const VF at_v = hn::Min(hn::Max(hn::MulAdd(v, scale, shift), zero), hn::Set(f, level.last_v));
+  const VF column = hn::Floor(at_u);
+  const VF row = hn::Floor(at_v);
+  const VU column_bits = hn::BitCast(w, hn::Add(column, hn::Set(f, kToBits)));
+  const VU row_bits = hn::BitCast(w, hn::Add(row, hn::Set(f, kToBits)));
+  const VU first = hn::Set(w, level.offset - kBits * (level.pitch + 2));
+  const VU along_row = hn::Add(hn::Add(column_bits, column_bits), first);
+  const VU offset = hn::Add(hn::Mul(row_bits, hn::Set(w, level.pitch)), along_row);
+  return {hn::BitCast(I(), offset), hn::Sub(at_u, column), hn::Sub(at_v, row)};
 }
 
-// On the pyramid level of the logarithm of the footprint, rounded up for as many samples of a pixel
-// as its fraction says: their mean goes over from level to level, for one read a sample.
-// `seen`: where it matters.
-HWY_INLINE QuadPlace place_in(const PatchView& patch, VF x, VF y, float round_up, Mask seen) {
+// The pyramid level of the logarithm of the footprint, rounded up for as many samples of a pixel as
+// its fraction says: their mean goes over from level to level, for one read a sample.
+HWY_INLINE VF level_at(const PatchView& patch, VF depth, float round_up) {
   const F f;
-  const I i;
-  const VF inverse_depth = hn::IfThenElse(seen, along(patch.inverse_depth, x, y), hn::Set(f, 1.0F));
-  const VF depth = hn::Div(hn::Set(f, 1.0F), inverse_depth);
-  VF u = hn::IfThenElseZero(seen, hn::Mul(depth, along(patch.u, x, y)));
-  VF v = hn::IfThenElseZero(seen, hn::Mul(depth, along(patch.v, x, y)));
-  if (patch.mirrored) {
-    u = reflect(u, patch.levels[0].width);
-    v = reflect(v, patch.levels[0].height);
-  }
   const VF area =
       hn::Mul(hn::Mul(hn::Mul(depth, depth), depth), hn::Set(f, patch.texels_per_cubed_depth));
   // the bits of a float are, but for scale and offset, its logarithm, linear between powers of two
-  const VF bits = hn::ConvertTo(f, hn::BitCast(i, hn::Max(area, hn::Set(f, 1.0F))));
+  const VF bits = hn::ConvertTo(f, hn::BitCast(I(), hn::Max(area, hn::Set(f, 1.0F))));
   const VF logarithm = hn::MulAdd(bits, hn::Set(f, 0x1.0p-24F), hn::Set(f, -63.5F));
   const auto last = static_cast<float>(patch.level_count - 1);
-  const VF level = hn::Min(hn::Floor(hn::Add(logarithm, hn::Set(f, round_up))), hn::Set(f, last));
+  return hn::Min(hn::Floor(hn::Add(logarithm, hn::Set(f, round_up))), hn::Set(f, last));
+}
+
+// The level of all that a tile shows of a patch, -1 where it is not one.
+HWY_INLINE int only_level(const PatchCandidate& candidate, float round_up) {
+  if (!(candidate.least_inverse_depth > 0)) return -1;
+  const F f;
+  const auto level = [&](float inverse_depth) HWY_ATTR {
+    const VF depth = hn::Set(f, 1.0F / inverse_depth);
+    return static_cast<int>(hn::GetLane(level_at(*candidate.view, depth, round_up)));
+  };
+  const int farthest = level(candidate.least_inverse_depth);
+  return level(candidate.most_inverse_depth) == farthest ? farthest : -1;
+}
+
+// `only`: the level of the whole tile, if it is one; `seen`: where it matters.
+template <bool kEverywhere>
+HWY_INLINE QuadPlace place_in(const PatchView& patch, VF x, VF y, float round_up, Mask seen,
+                              const PatchLevel* only) {
+  const F f;
+  const I i;
+  const VF one = hn::Set(f, 1.0F);
+  VF inverse_depth = along(patch.inverse_depth, x, y);
+  if constexpr (!kEverywhere) inverse_depth = hn::IfThenElse(seen, inverse_depth, one);
+  const VF depth = hn::Div(one, inverse_depth);
+  VF u = hn::Mul(depth, along(patch.u, x, y));
+  VF v = hn::Mul(depth, along(patch.v, x, y));
+  if constexpr (!kEverywhere) {
+    u = hn::IfThenElseZero(seen, u);
+    v = hn::IfThenElseZero(seen, v);
+  }
+  if (patch.mirrored) {
+    u = reflect(u, patch.levels[0].last_u);
+    v = reflect(v, patch.levels[0].last_v);
+  }
+  if (only != nullptr) return place_on(*only, u, v);
+  const VF level = level_at(patch, depth, round_up);
   const float first = hn::GetLane(level);
-  const QuadPlace there = place_on(patch, static_cast<int>(first), u, v);
+  const QuadPlace there = place_on(patch.levels[static_cast<int>(first)], u, v);
   if (hn::AllTrue(f, hn::Eq(level, hn::Set(f, first)))) return there;
 
   QuadPlace place = there;
@@ -109,7 +140,7 @@ HWY_INLINE QuadPlace place_in(const PatchView& patch, VF x, VF y, float round_up
   for (int number = lowest; number <= highest; ++number) {
     const Mask here = hn::Eq(level, hn::Set(f, static_cast<float>(number)));
     if (hn::AllFalse(f, here)) continue;
-    const QuadPlace other = place_on(patch, number, u, v);
+    const QuadPlace other = place_on(patch.levels[number], u, v);
     place = {hn::IfThenElse(hn::RebindMask(i, here), other.offset, place.offset),
              hn::IfThenElse(here, other.a, place.a), hn::IfThenElse(here, other.b, place.b)};
   }
@@ -143,7 +174,7 @@ HWY_INLINE VF nearest_of(const PatchTile& tile, VF x, VF y) {
   VF nearest = hn::Zero(f);  // in inverse depth
   VF winner = hn::Set(f, -1.0F);
   for (int k = 0; k < tile.candidate_count; ++k) {
-    const PatchView& patch = *tile.candidates[k];
+    const PatchView& patch = *tile.candidates[k].view;
     const VF inverse_depth = along(patch.inverse_depth, x, y);
     const VF u = along(patch.u, x, y);
     const VF v = along(patch.v, x, y);
@@ -166,7 +197,9 @@ HWY_INLINE void add_patch(const PatchTile& tile, int number, const float* winner
   const F f;
   const I i;
   const int lanes = static_cast<int>(hn::Lanes(f));
-  const PatchView& patch = *tile.candidates[number];
+  const PatchView& patch = *tile.candidates[number].view;
+  const int level = only_level(tile.candidates[number], tile.round_up);
+  const PatchLevel only = patch.levels[std::max(0, level)];
   const VF wanted = hn::Set(f, static_cast<float>(number));
   HWY_ALIGN std::array<std::int32_t, kTilePixels> offsets;
   HWY_ALIGN std::array<float, kTilePixels> a;
@@ -178,7 +211,8 @@ HWY_INLINE void add_patch(const PatchTile& tile, int number, const float* winner
         kEverywhere ? hn::Eq(wanted, wanted) : hn::Eq(hn::Load(f, winners + first), wanted);
     if (!kEverywhere && hn::AllFalse(f, seen)) continue;
     const Bearings bearing = bearings_at(tile, first);
-    const QuadPlace place = place_in(patch, bearing.x, bearing.y, tile.round_up, seen);
+    const QuadPlace place = place_in<kEverywhere>(patch, bearing.x, bearing.y, tile.round_up, seen,
+                                                  level < 0 ? nullptr : &only);
     const int at = lanes * count;
     hn::Store(place.offset, i, &offsets[at]);
     hn::Store(place.a, f, &a[at]);
