@@ -61,18 +61,16 @@ struct QuadPlace {
   VF a, b;
 };
 
-// On one pyramid level, from coordinates of the finest one. Whole numbers up to 2^22 are the last
-// bits of 2^23 plus them: shorter than conversions, which look after what is too large.
-HWY_INLINE QuadPlace place_on(const PatchLevel& level, VF u, VF v) {
+// Whole numbers up to 2^22 are the last bits of 2^23 plus them: shorter than conversions, which
+// look after what is too large.
+HWY_INLINE QuadPlace place_at(const PatchLevel& level, VF level_u, VF level_v) {
   const F f;
   const U w;
   constexpr float kToBits = 0x1.0p23F;
   constexpr std::uint32_t kBits = 0x4b000000U;  // of kToBits
-  const VF scale = hn::Set(f, level.scale);
-  const VF shift = hn::Set(f, level.shift);
   const VF zero = hn::Zero(f);
-  const VF at_u = hn::Min(hn::Max(hn::MulAdd(u, scale, shift), zero), hn::Set(f, level.last_u));
-  const VF at_v = hn::Min(hn::Max(hn::MulAdd(v, scale, shift), zero), hn::Set(f, level.last_v));
+  const VF at_u = hn::Min(hn::Max(level_u, zero), hn::Set(f, level.last_u));
+  const VF at_v = hn::Min(hn::Max(level_v, zero), hn::Set(f, level.last_v));
   const VF column = hn::Floor(at_u);
   const VF row = hn::Floor(at_v);
   const VU column_bits = hn::BitCast(w, hn::Add(column, hn::Set(f, kToBits)));
@@ -81,6 +79,14 @@ HWY_INLINE QuadPlace place_on(const PatchLevel& level, VF u, VF v) {
   const VU along_row = hn::Add(hn::Add(column_bits, column_bits), first);
   const VU offset = hn::Add(hn::Mul(row_bits, hn::Set(w, level.pitch)), along_row);
   return {hn::BitCast(I(), offset), hn::Sub(at_u, column), hn::Sub(at_v, row)};
+}
+
+// From coordinates of the finest level.
+HWY_INLINE QuadPlace place_on(const PatchLevel& level, VF u, VF v) {
+  const F f;
+  const VF scale = hn::Set(f, level.scale);
+  const VF shift = hn::Set(f, level.shift);
+  return place_at(level, hn::MulAdd(u, scale, shift), hn::MulAdd(v, scale, shift));
 }
 
 // The pyramid level of the logarithm of the footprint, rounded up for as many samples of a pixel as
@@ -156,15 +162,16 @@ HWY_INLINE VF cubic(const std::array<float, 4>& a, VF t) {
 constexpr int kColumns = BearingSegment::kColumns;
 constexpr int kTilePixels = PatchTile::kRows * kColumns;
 
+// Of a tile's columns, the distance of the sample from the middle of its segment.
+using ColumnPlaces = std::array<float, kColumns>;
+
 // The bearings of a vector of pixels, the first of them that many on from the tile's first.
 struct Bearings {
   VF x, y;
 };
-HWY_INLINE Bearings bearings_at(const PatchTile& tile, int first) {
-  const F f;
+HWY_INLINE Bearings bearings_at(const PatchTile& tile, const ColumnPlaces& columns, int first) {
   const BearingSegment& segment = *tile.segments[first / kColumns];
-  const float middle = 0.5F * (kColumns - 1) - tile.offset;
-  const VF t = hn::Iota(f, static_cast<float>(first % kColumns) - middle);
+  const VF t = hn::Load(F(), &columns[first % kColumns]);
   return {cubic(segment.x, t), cubic(segment.y, t)};
 }
 
@@ -189,67 +196,141 @@ HWY_INLINE VF nearest_of(const PatchTile& tile, VF x, VF y) {
   return winner;
 }
 
-// Adds one patch where `winners` has its number (everywhere: it covers the tile). First all places
+// Where in a patch's picture the pixels of a tile lie, a vector after the other. First all places
 // are computed and their memory is asked for, then it is read: a tile's texels come from far away,
 // and waiting for each alone would take longer than all else.
-template <bool kEverywhere>
-HWY_INLINE void add_patch(const PatchTile& tile, int number, const float* winners) {
+struct TilePlaces {
+  HWY_ALIGN std::array<std::int32_t, kTilePixels> offset;
+  HWY_ALIGN std::array<float, kTilePixels> a;
+  HWY_ALIGN std::array<float, kTilePixels> b;
+};
+HWY_INLINE void put(const PatchView& patch, const QuadPlace& place, int at, TilePlaces& places) {
   const F f;
-  const I i;
+  hn::Store(place.offset, I(), &places.offset[at]);
+  hn::Store(place.a, f, &places.a[at]);
+  hn::Store(place.b, f, &places.b[at]);
+  hwy::Prefetch(patch.pairs + places.offset[at]);
+  hwy::Prefetch(patch.pairs + places.offset[at + static_cast<int>(hn::Lanes(f)) - 1]);
+}
+HWY_INLINE VF grey_at(const PatchView& patch, const TilePlaces& places, int at) {
+  const F f;
+  const auto* quads = reinterpret_cast<const std::uint32_t*>(patch.pairs);
+  const VU quad = hn::GatherOffset(U(), quads, hn::Load(I(), &places.offset[at]));
+  return within_quad(quad, hn::Load(f, &places.a[at]), hn::Load(f, &places.b[at]));
+}
+
+// Adds one patch where `winners` has its number.
+HWY_INLINE void add_patch(const PatchTile& tile, const ColumnPlaces& columns, int number,
+                          const float* winners) {
+  const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
   const PatchView& patch = *tile.candidates[number].view;
   const int level = only_level(tile.candidates[number], tile.round_up);
   const PatchLevel only = patch.levels[std::max(0, level)];
   const VF wanted = hn::Set(f, static_cast<float>(number));
-  HWY_ALIGN std::array<std::int32_t, kTilePixels> offsets;
-  HWY_ALIGN std::array<float, kTilePixels> a;
-  HWY_ALIGN std::array<float, kTilePixels> b;
+  TilePlaces places;
   std::array<std::int16_t, kTilePixels> firsts;
   int count = 0;
   for (int first = 0; first < tile.rows * kColumns; first += lanes) {
-    const Mask seen =
-        kEverywhere ? hn::Eq(wanted, wanted) : hn::Eq(hn::Load(f, winners + first), wanted);
-    if (!kEverywhere && hn::AllFalse(f, seen)) continue;
-    const Bearings bearing = bearings_at(tile, first);
-    const QuadPlace place = place_in<kEverywhere>(patch, bearing.x, bearing.y, tile.round_up, seen,
-                                                  level < 0 ? nullptr : &only);
-    const int at = lanes * count;
-    hn::Store(place.offset, i, &offsets[at]);
-    hn::Store(place.a, f, &a[at]);
-    hn::Store(place.b, f, &b[at]);
-    hwy::Prefetch(patch.pairs + offsets[at]);
-    hwy::Prefetch(patch.pairs + offsets[at + lanes - 1]);
+    const Mask seen = hn::Eq(hn::Load(f, winners + first), wanted);
+    if (hn::AllFalse(f, seen)) continue;
+    const Bearings bearing = bearings_at(tile, columns, first);
+    const QuadPlace place = place_in<false>(patch, bearing.x, bearing.y, tile.round_up, seen,
+                                            level < 0 ? nullptr : &only);
+    put(patch, place, lanes * count, places);
     firsts[count++] = static_cast<std::int16_t>(first);
   }
-  const auto* quads = reinterpret_cast<const std::uint32_t*>(patch.pairs);
   for (int k = 0; k < count; ++k) {
-    const VU quad = hn::GatherOffset(U(), quads, hn::Load(i, &offsets[lanes * k]));
-    const VF grey = within_quad(quad, hn::Load(f, &a[lanes * k]), hn::Load(f, &b[lanes * k]));
-    const int first = firsts[k];
-    const VF sum = hn::LoadU(f, tile.grey + first);
-    if constexpr (kEverywhere) {
-      hn::StoreU(hn::Add(sum, grey), f, tile.grey + first);
-    } else {
-      const Mask seen = hn::Eq(hn::Load(f, winners + first), wanted);
-      hn::StoreU(hn::Add(sum, hn::IfThenElseZero(seen, grey)), f, tile.grey + first);
+    float* grey = tile.grey + firsts[k];
+    const Mask seen = hn::Eq(hn::Load(f, winners + firsts[k]), wanted);
+    const VF value = hn::IfThenElseZero(seen, grey_at(patch, places, lanes * k));
+    hn::StoreU(hn::Add(hn::LoadU(f, grey), value), f, grey);
+  }
+}
+
+// A functional of the bearing along a segment, where both coordinates are cubic: so is it.
+HWY_INLINE std::array<float, 4> cubic_along(const std::array<float, 3>& a,
+                                            const BearingSegment& segment) {
+  std::array<float, 4> out;
+  for (int k = 0; k < 4; ++k) out[k] = a[0] * segment.x[k] + a[1] * segment.y[k];
+  out[0] += a[2];
+  return out;
+}
+
+// a of the finest level, times the inverse depth, on another level.
+HWY_INLINE std::array<float, 3> on_level(const PatchLevel& level, const std::array<float, 3>& a,
+                                         const std::array<float, 3>& inverse_depth) {
+  std::array<float, 3> out;
+  for (int k = 0; k < 3; ++k) out[k] = level.scale * a[k] + level.shift * inverse_depth[k];
+  return out;
+}
+
+// The places in a patch that covers the tile, on the one level that it has there.
+HWY_INLINE void find_level_places(const PatchTile& tile, const ColumnPlaces& columns,
+                                  const PatchLevel& level, TilePlaces& places) {
+  const F f;
+  const PatchView& patch = *tile.candidates[0].view;
+  const std::array<float, 3> level_u = on_level(level, patch.u, patch.inverse_depth);
+  const std::array<float, 3> level_v = on_level(level, patch.v, patch.inverse_depth);
+  for (int row = 0; row < tile.rows; ++row) {
+    const BearingSegment& segment = *tile.segments[row];
+    const std::array<float, 4> u = cubic_along(level_u, segment);
+    const std::array<float, 4> v = cubic_along(level_v, segment);
+    const std::array<float, 4> inverse_depth = cubic_along(patch.inverse_depth, segment);
+    for (int column = 0; column < kColumns; column += static_cast<int>(hn::Lanes(f))) {
+      const VF t = hn::Load(f, &columns[column]);
+      const VF depth = hn::Div(hn::Set(f, 1.0F), cubic(inverse_depth, t));
+      const QuadPlace place =
+          place_at(level, hn::Mul(depth, cubic(u, t)), hn::Mul(depth, cubic(v, t)));
+      put(patch, place, row * kColumns + column, places);
     }
   }
 }
 
-void add_tile_kernel(const PatchTile& tile) {
-  if (tile.covered) return add_patch<true>(tile, 0, nullptr);
+// Adds the patch that covers the tile.
+HWY_INLINE void add_cover(const PatchTile& tile, const ColumnPlaces& columns) {
   const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const PatchView& patch = *tile.candidates[0].view;
+  const int level = only_level(tile.candidates[0], tile.round_up);
+  TilePlaces places;
+  if (level >= 0 && !patch.mirrored) {
+    find_level_places(tile, columns, patch.levels[level], places);
+  } else {
+    const Mask everywhere = hn::Eq(hn::Zero(f), hn::Zero(f));
+    for (int first = 0; first < tile.rows * kColumns; first += lanes) {
+      const Bearings bearing = bearings_at(tile, columns, first);
+      put(patch, place_in<true>(patch, bearing.x, bearing.y, tile.round_up, everywhere, nullptr),
+          first, places);
+    }
+  }
+  for (int first = 0; first < tile.rows * kColumns; first += lanes) {
+    float* grey = tile.grey + first;
+    hn::StoreU(hn::Add(hn::LoadU(f, grey), grey_at(patch, places, first)), f, grey);
+  }
+}
+
+void add_tile_kernel(const PatchTile& tile) {
+  const F f;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  HWY_ALIGN ColumnPlaces columns;
+  for (int first = 0; first < kColumns; first += lanes) {
+    const float from_middle = static_cast<float>(first) - 0.5F * (kColumns - 1) + tile.offset;
+    hn::Store(hn::Iota(f, from_middle), f, &columns[first]);
+  }
+  if (tile.covered) return add_cover(tile, columns);
+
   const VF background = hn::Set(f, tile.background_grey);
   HWY_ALIGN std::array<float, kTilePixels> winners;
-  for (int first = 0; first < tile.rows * kColumns; first += static_cast<int>(hn::Lanes(f))) {
-    const Bearings bearing = bearings_at(tile, first);
+  for (int first = 0; first < tile.rows * kColumns; first += lanes) {
+    const Bearings bearing = bearings_at(tile, columns, first);
     const VF winner = nearest_of(tile, bearing.x, bearing.y);
     hn::Store(winner, f, &winners[first]);
     const VF sum = hn::LoadU(f, tile.grey + first);
     const VF bare = hn::IfThenElseZero(hn::Lt(winner, hn::Zero(f)), background);
     hn::StoreU(hn::Add(sum, bare), f, tile.grey + first);
   }
-  for (int k = 0; k < tile.candidate_count; ++k) add_patch<false>(tile, k, winners.data());
+  for (int k = 0; k < tile.candidate_count; ++k) add_patch(tile, columns, k, winners.data());
 }
 
 }  // namespace HWY_NAMESPACE
