@@ -231,14 +231,17 @@ HWY_INLINE void add_patch(const PatchTile& tile, const ColumnPlaces& columns, in
   TilePlaces places;
   std::array<std::int16_t, kTilePixels> firsts;
   int count = 0;
+  // without a branch, which no processor would foresee
   for (int first = 0; first < tile.rows * kColumns; first += lanes) {
-    const Mask seen = hn::Eq(hn::Load(f, winners + first), wanted);
-    if (hn::AllFalse(f, seen)) continue;
-    const Bearings bearing = bearings_at(tile, columns, first);
+    firsts[count] = static_cast<std::int16_t>(first);
+    count += hn::AllFalse(f, hn::Eq(hn::Load(f, winners + first), wanted)) ? 0 : 1;
+  }
+  for (int k = 0; k < count; ++k) {
+    const Mask seen = hn::Eq(hn::Load(f, winners + firsts[k]), wanted);
+    const Bearings bearing = bearings_at(tile, columns, firsts[k]);
     const QuadPlace place = place_in<false>(patch, bearing.x, bearing.y, tile.round_up, seen,
                                             level < 0 ? nullptr : &only);
-    put(patch, place, lanes * count, places);
-    firsts[count++] = static_cast<std::int16_t>(first);
+    put(patch, place, lanes * k, places);
   }
   for (int k = 0; k < count; ++k) {
     float* grey = tile.grey + firsts[k];
