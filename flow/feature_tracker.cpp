@@ -6,8 +6,6 @@
 #include <cmath>
 #include <opencv2/core/mat.hpp>
 
-#include "flow/picture_search.hpp"
-
 namespace stillkite {
 namespace {
 
@@ -147,26 +145,41 @@ bool FeatureTracker::is_lost() const {
 }
 
 void FeatureTracker::search() {
-  const Eigen::Vector2f middle(0.5F * static_cast<float>(current_.level(0).cols - 1),
-                               0.5F * static_cast<float>(current_.level(0).rows - 1));
   const AffineFlow last_motion = motion_;
   FeatureTracks best = tracks_;
   std::vector<Eigen::Vector2f> best_displacements_px = displacements_px_;
-  for (const PictureShift& found : find_shifts(reference_.level(0), current_.level(0))) {
-    motion_ = {.about_px = middle, .offset_px = found.shift_px.cast<float>()};
-    motion_.gradient = Eigen::Rotation2Df(static_cast<float>(found.turn_rad)).toRotationMatrix() -
-                       Eigen::Matrix2f::Identity();
-    for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
-      displacements_px_[i] = motion_.at(tracks_.reference_px[i]);
+  const auto is_found = [&] {
+    constexpr double kEnoughShare = 0.5;  // which no wrong place reaches
+    return best.found_count >= kEnoughShare * static_cast<double>(best.found.size());
+  };
+  // a picture that has hardly turned about its middle, as most have, is found in a seventh of the
+  // time
+  for (const SearchedTurns turns : {SearchedTurns::none, SearchedTurns::all}) {
+    for (const PictureShift& shift :
+         find_shifts(reference_.level(0), current_.level(0), Eigen::Matrix3d::Identity(), turns)) {
+      if (is_found()) break;
+      start_from(shift);
+      align();
+      if (tracks_.found_count <= best.found_count) continue;
+      best = tracks_;
+      best_displacements_px = displacements_px_;
     }
-    align();
-    if (tracks_.found_count <= best.found_count) continue;
-    best = tracks_;
-    best_displacements_px = displacements_px_;
+    if (is_found()) break;
   }
   tracks_ = std::move(best);
   displacements_px_ = std::move(best_displacements_px);
   motion_ = last_motion;
+}
+
+void FeatureTracker::start_from(const PictureShift& shift) {
+  motion_ = {.about_px = {0.5F * static_cast<float>(current_.level(0).cols - 1),
+                          0.5F * static_cast<float>(current_.level(0).rows - 1)},
+             .offset_px = shift.shift_px.cast<float>()};
+  motion_.gradient = Eigen::Rotation2Df(static_cast<float>(shift.turn_rad)).toRotationMatrix() -
+                     Eigen::Matrix2f::Identity();
+  for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
+    displacements_px_[i] = motion_.at(tracks_.reference_px[i]);
+  }
 }
 
 void FeatureTracker::place(int level) {

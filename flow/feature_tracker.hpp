@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "flow/affine_flow.hpp"
+#include "flow/picture_search.hpp"
 #include "flow/pyramid.hpp"
 #include "flow/tile_flow.hpp"
 #include "geometry/fields.hpp"
@@ -57,6 +58,7 @@ class FeatureTracker {
   void align();
   [[nodiscard]] bool is_lost() const;
   void search();
+  void start_from(const PictureShift& shift);
   void place(int level);
   void step(int level, TileWarp warp);
   void regularise(int level);

@@ -139,12 +139,12 @@ Spectra seen_through(const Eigen::Matrix3d& view, const cv::Mat& picture, cv::Si
   return {warped, seen, padded};
 }
 
-std::vector<ScoredShift> peaks_of_all_turns(const cv::Mat& a, const cv::Mat& b,
-                                            const Eigen::Matrix3d& view) {
+std::vector<ScoredShift> peaks_of_turns(const cv::Mat& a, const cv::Mat& b,
+                                        const Eigen::Matrix3d& view, int turns_to_a_side) {
   const cv::Size padded(cv::getOptimalDFTSize(2 * a.cols), cv::getOptimalDFTSize(2 * a.rows));
   const Spectra current = seen_through(view, b, padded);
   std::vector<ScoredShift> found;
-  for (int i = -kTurns; i <= kTurns; ++i) {
+  for (int i = -turns_to_a_side; i <= turns_to_a_side; ++i) {
     const double turn_rad = i * kTurn_rad;
     const Spectra turned = seen_through(turn_about_middle(a.size(), turn_rad) * view, a, padded);
     CorrelationMap map = correlate(turned, current, a.size().area());
@@ -166,14 +166,15 @@ Eigen::Matrix3d shrunk(const Eigen::Matrix3d& view, double across, double down) 
 }  // namespace
 
 std::vector<PictureShift> find_shifts(const cv::Mat& reference, const cv::Mat& current,
-                                      const Eigen::Matrix3d& view) {
+                                      const Eigen::Matrix3d& view, SearchedTurns turns) {
   const double shrink = std::min(1.0, kLongestSide_px / std::max(reference.cols, reference.rows));
   const cv::Size size(std::max(1, static_cast<int>(std::lround(shrink * reference.cols))),
                       std::max(1, static_cast<int>(std::lround(shrink * reference.rows))));
   const double across = static_cast<double>(reference.cols) / size.width;
   const double down = static_cast<double>(reference.rows) / size.height;
-  std::vector<ScoredShift> found = peaks_of_all_turns(
-      small_copy(reference, size), small_copy(current, size), shrunk(view, across, down));
+  std::vector<ScoredShift> found =
+      peaks_of_turns(small_copy(reference, size), small_copy(current, size),
+                     shrunk(view, across, down), turns == SearchedTurns::all ? kTurns : 0);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.score > b.score; });
   std::vector<PictureShift> out;

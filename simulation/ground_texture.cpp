@@ -10,24 +10,27 @@
 namespace stillkite {
 namespace {
 
-// Rows of quads of one level; right of and below the last texel lies the mirror image.
-void append_quads(const cv::Mat& grey, int pitch, std::vector<std::uint32_t>& words) {
-  for (int v = 0; v < grey.rows; ++v) {
+// Rows of pairs of one level; right of and below the last texel lies the mirror image.
+void append_pairs(const cv::Mat& grey, int pitch, std::vector<std::uint8_t>& pairs) {
+  const std::size_t first = pairs.size();
+  pairs.resize(first + std::size_t{2} * pitch * grey.rows);
+  std::uint8_t* pair = &pairs[first];
+  for (int v = 0; v < grey.rows; ++v, pair += std::ptrdiff_t{2} * pitch) {
     const std::uint8_t* here = grey.ptr(v);
     const std::uint8_t* below = grey.ptr(v + 1 < grey.rows ? v + 1 : grey.rows - 2);
     for (int u = 0; u < grey.cols; ++u) {
-      const int next = u + 1 < grey.cols ? u + 1 : grey.cols - 2;
-      words.push_back(std::uint32_t{here[u]} | std::uint32_t{here[next]} << 8 |
-                      std::uint32_t{below[u]} << 16 | std::uint32_t{below[next]} << 24);
+      pair[2 * u] = here[u];
+      pair[2 * u + 1] = below[u];
     }
-    words.resize(words.size() + pitch - grey.cols);
+    pair[2 * grey.cols] = here[grey.cols - 2];
+    pair[2 * grey.cols + 1] = below[grey.cols - 2];
   }
 }
 
-// Rows of at least `width` words that are an odd number of cache lines apart.
+// Rows of more than `width` pairs that are an odd number of cache lines apart.
 int pitch_for(int width) {
-  constexpr int kWordsPerLine = 16;
-  return ((width + kWordsPerLine - 1) / kWordsPerLine | 1) * kWordsPerLine;
+  constexpr int kPairsPerLine = 32;
+  return ((width + kPairsPerLine) / kPairsPerLine | 1) * kPairsPerLine;
 }
 
 // Reflection about the centres of the first and the last texel.
@@ -41,21 +44,22 @@ double fold(double u, int size) {
 GroundTexture::GroundTexture(const cv::Mat& grey, double metres_per_texel)
     : metres_per_texel_(metres_per_texel) {
   constexpr int kSmallestLevel = 16;
-  if (grey.type() != CV_8UC1 || grey.rows < 2 || grey.cols < 2 || grey.total() > 1500000000u) {
+  if (grey.type() != CV_8UC1 || grey.rows < 2 || grey.cols < 2 || grey.total() > 750000000u) {
     throw InputError(
-        "ground: a grey 8-bit picture of 2x2 to 1.5e9 pixels is needed, this one has " +
+        "ground: a grey 8-bit picture of 2x2 to 7.5e8 pixels is needed, this one has " +
         std::to_string(grey.cols) + "x" + std::to_string(grey.rows) + "; convert or crop it");
   }
   if (!(metres_per_texel > 0)) {
     throw InputError("ground: metres per texel must be > 0, not " +
                      std::to_string(metres_per_texel));
   }
-  words_.reserve(grey.total() * 4 / 3 + 4096);
+  pairs_.reserve(grey.total() * 3 + 8192);
   cv::Mat level = grey;
   for (;;) {
     const int pitch = pitch_for(level.cols);
-    levels_.push_back({static_cast<std::int64_t>(words_.size()), level.cols, level.rows, pitch});
-    append_quads(level, pitch, words_);
+    levels_.push_back(
+        {static_cast<std::int64_t>(pairs_.size() / 2), level.cols, level.rows, pitch});
+    append_pairs(level, pitch, pairs_);
     if (std::min(level.cols, level.rows) < 2 * kSmallestLevel) break;
     cv::Mat half;
     const cv::Mat even = level(cv::Rect(0, 0, level.cols / 2 * 2, level.rows / 2 * 2));
@@ -78,9 +82,8 @@ double GroundTexture::grey_at(const Eigen::Vector2d& ground) const {
   const auto row = static_cast<std::int64_t>(v);
   const double a = u - static_cast<double>(column);
   const double b = v - static_cast<double>(row);
-  const std::uint32_t quad = words_[static_cast<std::size_t>(row * finest.pitch + column)];
-  const auto byte = [quad](int index) { return static_cast<double>(quad >> (8 * index) & 255u); };
-  return (1 - b) * ((1 - a) * byte(0) + a * byte(1)) + b * ((1 - a) * byte(2) + a * byte(3));
+  const std::uint8_t* quad = &pairs_[2 * static_cast<std::size_t>(row * finest.pitch + column)];
+  return (1 - b) * ((1 - a) * quad[0] + a * quad[2]) + b * ((1 - a) * quad[1] + a * quad[3]);
 }
 
 }  // namespace stillkite

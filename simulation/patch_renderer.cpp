@@ -13,8 +13,8 @@ namespace stillkite {
 namespace {
 
 constexpr int kTileColumns = BearingSegment::kColumns;
-constexpr int kTileRows = 16;
-constexpr int kMaxPatchSamples = 16;
+constexpr int kTileRows = PatchTile::kRows;
+constexpr int kTilesAGroup = 5;
 
 float at(const std::array<float, 4>& cubic, float t) {
   return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]));
@@ -65,52 +65,57 @@ struct TilePlace {
   int segment = 0;
 };
 
-// What a tile shows at one of the instants that share the samples of a pixel.
+// What a tile shows, the samples of a pixel dealt out to the instants, of each of which it is known
+// what is near the tile.
 using TileLight = std::array<float, kTileColumns * kTileRows>;
-TileLight with_instant(const TileLight& before, const BearingTable& bearings,
-                       const VisiblePatches& visible, const TilePlace& place, int instant,
-                       int instants, float background_grey) {
-  TileLight light = before;
+TileLight light_of(const BearingTable& bearings, const std::vector<VisiblePatches>& near,
+                   const BearingBounds& bounds, const TilePlace& place, float background_grey) {
+  TileLight light{};
   const int supersampling = bearings.supersampling;
-  const int samples = supersampling * supersampling / instants;
-  std::array<const BearingSegment*, kMaxPatchSamples> segments{};
-  std::array<float, kMaxPatchSamples> offsets{};
-  std::array<float, kMaxPatchSamples> round_up{};
-  for (int row = 0; row < place.rows; ++row) {
-    for (int k = 0; k < samples; ++k) {
-      const int sample = k * instants + instant;
-      segments[k] = bearings.row(place.first_row + row, sample / supersampling) + place.segment;
-      round_up[k] = rounding_of(sample, supersampling * supersampling);
-      offsets[k] = static_cast<float>(sample_offset(sample % supersampling, supersampling));
+  const int samples = supersampling * supersampling;
+  const int instants = static_cast<int>(near.size());
+  std::array<const BearingSegment*, kTileRows> segments{};
+  for (int instant = 0; instant < instants; ++instant) {
+    const VisiblePatches visible = visible_within(near[instant].patches, bounds);
+    for (int sample = instant; sample < samples; sample += instants) {
+      for (int row = 0; row < place.rows; ++row) {
+        segments[row] = bearings.row(place.first_row + row, sample / supersampling) + place.segment;
+      }
+      add_tile({.candidates = visible.patches.data(),
+                .candidate_count = static_cast<int>(visible.patches.size()),
+                .covered = visible.covered,
+                .background_grey = background_grey,
+                .rows = place.rows,
+                .segments = segments.data(),
+                .offset = static_cast<float>(sample_offset(sample % supersampling, supersampling)),
+                .round_up = rounding_of(sample, samples),
+                .grey = light.data()});
     }
-    add_tile_row({.candidates = visible.patches.data(),
-                  .candidate_count = static_cast<int>(visible.patches.size()),
-                  .covered = visible.covered,
-                  .background_grey = background_grey,
-                  .samples = samples,
-                  .segments = segments.data(),
-                  .offsets = offsets.data(),
-                  .round_up = round_up.data(),
-                  .grey = &light[row * kTileColumns]});
   }
   return light;
 }
 
-std::vector<const PatchView*> pointers_to(const std::vector<PatchView>& views) {
-  std::vector<const PatchView*> pointers;
-  pointers.reserve(views.size());
-  for (const PatchView& view : views) pointers.push_back(&view);
-  return pointers;
+std::vector<VisiblePatches> visible_at_all_instants(const std::vector<VisiblePatches>& before,
+                                                    const BearingBounds& bounds) {
+  std::vector<VisiblePatches> visible;
+  visible.reserve(before.size());
+  for (const VisiblePatches& at : before) visible.push_back(visible_within(at.patches, bounds));
+  return visible;
 }
 
 }  // namespace
 
 PatchRenderer::PatchRenderer(const Camera& camera, int supersampling)
     : camera_(camera), bearings_(tabulate_bearings(camera, supersampling)) {
+  const int segments = bearings_.segments_a_row;
   for (int row = 0; row < camera.height_px; row += kTileRows) {
     const int rows = std::min(kTileRows, camera.height_px - row);
-    bands_.push_back(bounds_of(bearings_, row, rows, 0, bearings_.segments_a_row));
-    for (int segment = 0; segment < bearings_.segments_a_row; ++segment) {
+    bands_.push_back(bounds_of(bearings_, row, rows, 0, segments));
+    for (int first = 0; first < segments; first += kTilesAGroup) {
+      const int count = std::min(kTilesAGroup, segments - first);
+      groups_.push_back(bounds_of(bearings_, row, rows, first, count));
+    }
+    for (int segment = 0; segment < segments; ++segment) {
       tiles_.push_back(bounds_of(bearings_, row, rows, segment, 1));
     }
   }
@@ -130,32 +135,32 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
   const int instants = shutter.instants;
   const double focal_px = std::min(camera_.focal_x_px, camera_.focal_y_px);
   std::vector<std::vector<PatchView>> views;
+  std::vector<VisiblePatches> in_picture;
   views.reserve(instants);
+  in_picture.reserve(instants);
   for (int k = 0; k < instants; ++k) {
     views.push_back(
         make_patch_views(scene,
                          interpolate(shutter.world_from_camera_at_opening,
                                      shutter.world_from_camera_at_closing, (k + 0.5) / instants),
                          focal_px));
+    in_picture.push_back({.patches = candidates_of(views.back())});
   }
 
   cv::Mat picture(camera_.height_px, camera_.width_px, CV_32FC1);
   const float share = 1.0F / static_cast<float>(samples);
   const auto background = static_cast<float>(scene.background_grey);
-  std::vector<VisiblePatches> in_band(instants);
-  std::size_t tile = 0;
+  const auto* group = groups_.data();
+  const auto* tile = tiles_.data();
   for (std::size_t band = 0; band < bands_.size(); ++band) {
     const int first_row = static_cast<int>(band) * kTileRows;
     const int rows = std::min(kTileRows, camera_.height_px - first_row);
-    for (int k = 0; k < instants; ++k) {
-      in_band[k] = visible_within(pointers_to(views[k]), bands_[band]);
-    }
-    for (int segment = 0; segment < bearings_.segments_a_row; ++segment, ++tile) {
-      TileLight light{};
-      for (int k = 0; k < instants; ++k) {
-        light = with_instant(light, bearings_, visible_within(in_band[k].patches, tiles_[tile]),
-                             {first_row, rows, segment}, k, instants, background);
-      }
+    const std::vector<VisiblePatches> in_band = visible_at_all_instants(in_picture, bands_[band]);
+    std::vector<VisiblePatches> in_group;
+    for (int segment = 0; segment < bearings_.segments_a_row; ++segment) {
+      if (segment % kTilesAGroup == 0) in_group = visible_at_all_instants(in_band, *group++);
+      const TileLight light =
+          light_of(bearings_, in_group, *tile++, {first_row, rows, segment}, background);
       const int first_column = segment * kTileColumns;
       const int columns = std::min(kTileColumns, camera_.width_px - first_column);
       for (int row = 0; row < rows; ++row) {

@@ -36,8 +36,9 @@ class PatchRenderer {
  private:
   Camera camera_;
   BearingTable bearings_;
-  std::vector<BearingBounds> bands_;  // of rows of tiles
-  std::vector<BearingBounds> tiles_;  // row by row
+  std::vector<BearingBounds> bands_;   // of rows of tiles
+  std::vector<BearingBounds> groups_;  // of neighbours in a band
+  std::vector<BearingBounds> tiles_;   // row by row
 };
 
 }  // namespace stillkite

@@ -1,6 +1,7 @@
 #include "simulation/patch_view.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -29,6 +30,17 @@ Functional scaled_difference(float scale, const Functional& a, const Functional&
   return {scale * a[0] - b[0], scale * a[1] - b[1], scale * a[2] - b[2]};
 }
 
+PatchLevel level_of(const GroundTexture& texture, int number) {
+  const GroundTexture::Level& level = texture.levels()[number];
+  const float scale = std::ldexp(1.0F, -number);
+  return {.scale = scale,
+          .shift = 0.5F * scale - 0.5F,
+          .last_u = static_cast<float>(level.width - 1),
+          .last_v = static_cast<float>(level.height - 1),
+          .pitch = 2 * static_cast<std::uint32_t>(level.pitch),
+          .offset = 2 * static_cast<std::uint32_t>(level.offset)};
+}
+
 std::optional<PatchView> view_of(const Patch& patch, const RigidTransform& camera_from_world,
                                  double focal_px) {
   const Eigen::Matrix3d R = camera_from_world.rotation.toRotationMatrix();
@@ -47,18 +59,21 @@ std::optional<PatchView> view_of(const Patch& patch, const RigidTransform& camer
   const double width = patch.right_in_world_m.norm() / texel_m;
   const double height = patch.down_in_world_m.norm() / texel_m;
   const GroundTexture::Level& finest = texture.levels().front();
-  return PatchView{.inverse_depth = functional(inverse_depth),
-                   .u = functional((right - corner.dot(right) * inverse_depth) / texel_m),
-                   .v = functional((down - corner.dot(down) * inverse_depth) / texel_m),
-                   .width_texels = static_cast<float>(width),
-                   .height_texels = static_cast<float>(height),
-                   // an element of the plane z = 1 covers depth^3 / distance of the patch
-                   .texels_per_cubed_depth = static_cast<float>(
-                       1 / (distance_m * focal_px * focal_px * texel_m * texel_m)),
-                   .mirrored = width > finest.width - 1 || height > finest.height - 1,
-                   .words = texture.words(),
-                   .levels = texture.levels().data(),
-                   .level_count = static_cast<int>(texture.levels().size())};
+  PatchView view{.inverse_depth = functional(inverse_depth),
+                 .u = functional((right - corner.dot(right) * inverse_depth) / texel_m),
+                 .v = functional((down - corner.dot(down) * inverse_depth) / texel_m),
+                 .width_texels = static_cast<float>(width),
+                 .height_texels = static_cast<float>(height),
+                 // an element of the plane z = 1 covers depth^3 / distance of the patch
+                 .texels_per_cubed_depth =
+                     static_cast<float>(1 / (distance_m * focal_px * focal_px * texel_m * texel_m)),
+                 .mirrored = width > finest.width - 1 || height > finest.height - 1,
+                 .pairs = texture.pairs()};
+  view.level_count = static_cast<int>(std::min(texture.levels().size(), view.levels.size()));
+  for (int number = 0; number < view.level_count; ++number) {
+    view.levels[number] = level_of(texture, number);
+  }
+  return view;
 }
 
 enum class Overlap { none, some, all };
@@ -90,28 +105,36 @@ std::vector<PatchView> make_patch_views(const PatchScene& scene,
   return views;
 }
 
-VisiblePatches visible_within(const std::vector<const PatchView*>& patches,
+VisiblePatches visible_within(const std::vector<PatchCandidate>& patches,
                               const BearingBounds& bounds) {
   VisiblePatches visible;
+  visible.patches.reserve(patches.size());
   const PatchView* cover = nullptr;  // of those that fill the bounds, the surely nearest one
   float cover_inverse_depth = 0;
-  for (const PatchView* patch : patches) {
-    const Span inverse_depth = span_of(patch->inverse_depth, bounds);
-    const Overlap overlap = overlap_of(*patch, inverse_depth, bounds);
+  for (const PatchCandidate& patch : patches) {
+    const Span inverse_depth = span_of(patch.view->inverse_depth, bounds);
+    const Overlap overlap = overlap_of(*patch.view, inverse_depth, bounds);
     if (overlap == Overlap::none) continue;
-    visible.patches.push_back(patch);
+    visible.patches.push_back({patch.view, inverse_depth.low, inverse_depth.high});
     if (overlap == Overlap::all && inverse_depth.low > cover_inverse_depth) {
-      cover = patch;
+      cover = patch.view;
       cover_inverse_depth = inverse_depth.low;
     }
   }
   if (cover) {
-    std::erase_if(visible.patches, [&](const PatchView* patch) {
-      return patch != cover && span_of(patch->inverse_depth, bounds).high < cover_inverse_depth;
+    std::erase_if(visible.patches, [&](const PatchCandidate& patch) {
+      return patch.view != cover && patch.most_inverse_depth < cover_inverse_depth;
     });
   }
   visible.covered = cover && visible.patches.size() == 1;
   return visible;
+}
+
+std::vector<PatchCandidate> candidates_of(const std::vector<PatchView>& views) {
+  std::vector<PatchCandidate> candidates;
+  candidates.reserve(views.size());
+  for (const PatchView& view : views) candidates.push_back({.view = &view});
+  return candidates;
 }
 
 }  // namespace stillkite

@@ -26,10 +26,13 @@ struct BearingBounds {
 /// Those that may be the nearest somewhere within the bounds, without those that one of them hides
 /// everywhere.
 struct VisiblePatches {
-  std::vector<const PatchView*> patches;
+  std::vector<PatchCandidate> patches;
   bool covered = false;  ///< there is one only, and it fills the bounds
 };
-[[nodiscard]] VisiblePatches visible_within(const std::vector<const PatchView*>& patches,
+[[nodiscard]] VisiblePatches visible_within(const std::vector<PatchCandidate>& patches,
                                             const BearingBounds& bounds);
+
+/// All of them, at any depth.
+[[nodiscard]] std::vector<PatchCandidate> candidates_of(const std::vector<PatchView>& views);
 
 }  // namespace stillkite

@@ -39,6 +39,12 @@ HWY_INLINE VU gather(const std::uint32_t* words, VI index) {
   return hn::GatherIndex(U(), words, index);
 }
 
+// Two neighbouring pairs of a GroundTexture.
+HWY_INLINE VU gather_quad(const std::uint8_t* pairs, VI index) {
+  return hn::GatherOffset(U(), reinterpret_cast<const std::uint32_t*>(pairs),
+                          hn::ShiftLeft<1>(index));
+}
+
 template <int kShift>
 HWY_INLINE VF byte(VU quad) {
   const VU shifted = hn::And(hn::ShiftRight<kShift>(quad), hn::Set(U(), 255U));
@@ -46,7 +52,7 @@ HWY_INLINE VF byte(VU quad) {
 }
 
 HWY_INLINE VF bilinear(VU quad, VF a, VF b) {
-  return mix(mix(byte<0>(quad), byte<8>(quad), a), mix(byte<16>(quad), byte<24>(quad), a), b);
+  return mix(mix(byte<0>(quad), byte<16>(quad), a), mix(byte<8>(quad), byte<24>(quad), a), b);
 }
 
 // A whole coordinate reduced to [-(size - 1), size - 1], one period of the mirrored texture.
@@ -86,7 +92,7 @@ HWY_INLINE VF sample_level(const RenderView& view, VI level, VF u, VF v) {
   const VI row = hn::ConvertTo(i, at_v);
   const VI index = hn::Add(hn::GatherIndex(i, view.level_offset.data(), level),
                            hn::Add(hn::Mul(row, pitch), column));
-  return bilinear(gather(view.words, index), hn::Sub(at_u, hn::ConvertTo(f, column)),
+  return bilinear(gather_quad(view.pairs, index), hn::Sub(at_u, hn::ConvertTo(f, column)),
                   hn::Sub(at_v, hn::ConvertTo(f, row)));
 }
 
@@ -127,7 +133,7 @@ HWY_INLINE VF sample_ground(const RenderView& view, VF x, VF y, VF depth, Mask b
   if (hn::AllTrue(f, hn::Le(footprint, hn::Set(f, 1.0F)))) {
     const VI index = hn::Add(hn::Mul(hn::ConvertTo(i, row), hn::Set(i, view.level_pitch[0])),
                              hn::ConvertTo(i, column));
-    return bilinear(gather(view.words, index), a, b);
+    return bilinear(gather_quad(view.pairs, index), a, b);
   }
   return sample_pyramid(view, footprint, hn::Add(column, a), hn::Add(row, b));
 }
@@ -173,8 +179,9 @@ HWY_INLINE VF paint_vehicle(const RenderView& view, VF x, VF y, VF depth, VF gre
   const VI column = hn::ConvertTo(i, u);
   const VI row = hn::ConvertTo(i, v);
   const VI index = hn::Add(hn::Mul(row, hn::Set(i, view.vehicle_pitch)), column);
-  const VF paint = bilinear(gather(view.vehicle_words, index), hn::Sub(u, hn::ConvertTo(f, column)),
-                            hn::Sub(v, hn::ConvertTo(f, row)));
+  const VF paint =
+      bilinear(gather_quad(view.vehicle_pairs, index), hn::Sub(u, hn::ConvertTo(f, column)),
+               hn::Sub(v, hn::ConvertTo(f, row)));
   return hn::IfThenElse(inside, paint, grey);
 }
 
@@ -212,7 +219,7 @@ void render(const RenderView& view, const RenderRow& row) {
 
 void render_dispatched(const RenderView& view, const RenderRow& row) {
   const bool relief = view.relief_words != nullptr;
-  const bool vehicle = view.vehicle_words != nullptr;
+  const bool vehicle = view.vehicle_pairs != nullptr;
   if (relief && vehicle) return render<true, true>(view, row);
   if (relief) return render<true, false>(view, row);
   if (vehicle) return render<false, true>(view, row);

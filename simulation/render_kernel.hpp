@@ -26,7 +26,7 @@ struct RenderView {
   RayFunction v;
   float base_u = 0;  ///< whole texels from the texture's first one to the relative origin
   float base_v = 0;
-  const std::uint32_t* words = nullptr;  ///< of GroundTexture
+  const std::uint8_t* pairs = nullptr;  ///< of GroundTexture
   int levels = 1;
   float texels_per_square_depth = 0;  ///< footprint of a sample in texels is s^2 times this
   alignas(64) std::array<float, kMaxLevels> level_scale{};  ///< 2^-level
@@ -41,9 +41,9 @@ struct RenderView {
   float relief_metres_per_count = 0;
   int relief_steps = 2;  ///< of the fixed point, from the row above
 
-  const std::uint32_t* vehicle_words = nullptr;  ///< of its texture; null: none
-  RayFunction vehicle_along;                     ///< -1 at the rear, 1 at the front
-  RayFunction vehicle_across;                    ///< -1 and 1 at the sides
+  const std::uint8_t* vehicle_pairs = nullptr;  ///< of its texture; null: none
+  RayFunction vehicle_along;                    ///< -1 at the rear, 1 at the front
+  RayFunction vehicle_across;                   ///< -1 and 1 at the sides
   int vehicle_pitch = 0;
   int vehicle_width = 0;  ///< of its texture
   int vehicle_height = 0;

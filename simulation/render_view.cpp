@@ -21,7 +21,7 @@ void place_vehicle(const GroundTexture& paint, const VehiclePlacement& vehicle,
   const Eigen::Vector2d along = ahead * (2.0 / vehicle.length_m);
   const Eigen::Vector2d across = Eigen::Vector2d(ahead.y(), -ahead.x()) * (2.0 / vehicle.width_m);
   const Eigen::Vector2d from_vehicle = camera - vehicle.centre_in_world_m;
-  view.vehicle_words = paint.words();
+  view.vehicle_pairs = paint.pairs();
   view.vehicle_along = ray_function(R, along, along.dot(from_vehicle));
   view.vehicle_across = ray_function(R, across, across.dot(from_vehicle));
   view.vehicle_pitch = paint.levels()[0].pitch;
@@ -56,7 +56,7 @@ RenderView make_view(const Scene& scene, const RigidTransform& world_from_camera
   view.base_v = within_period(base.y(), ground.levels()[0].height);
   // seen from h along depth s, a sample covers s^2 / (h f) metres in its longer direction
   view.texels_per_square_depth = static_cast<float>(texels_per_metre / (height * sample_focal_px));
-  view.words = ground.words();
+  view.pairs = ground.pairs();
   view.levels = std::min<int>(static_cast<int>(ground.levels().size()), RenderView::kMaxLevels);
   for (int level = 0; level < view.levels; ++level) {
     view.level_scale[level] = std::ldexp(1.0F, -level);

@@ -22,7 +22,6 @@ cv::Point fine_point(double x, double y) {
 // Every other row of tiles is shifted by half a tile, as bricks and planks are.
 cv::Mat tiled(const SurfaceStyle& style, int width, int height, std::uint64_t seed) {
   cv::Mat offset(height, width, CV_32FC1, cv::Scalar(0));
-  if (style.tile_width <= 0 || style.tile_height <= 0) return offset;
   Random random(seed, 10);
   for (int row = 0; row * style.tile_height < height; ++row) {
     const int shift = row % 2 * style.tile_width / 2;
@@ -70,10 +69,15 @@ void draw_label(cv::Mat& picture, double grey, double size, Random& random) {
 }  // namespace
 
 cv::Mat surface_picture(const SurfaceStyle& style, int width, int height, std::uint64_t seed) {
-  const cv::Mat surface =
-      fractal_noise(width, height, seed) * style.grain_grey + tiled(style, width, height, seed);
+  const cv::Mat grain = fractal_noise(width, height, seed);
   cv::Mat picture;
-  surface.convertTo(picture, CV_8UC1, 1, style.grey);
+  if (style.tile_width > 0 && style.tile_height > 0) {
+    cv::Mat surface;
+    cv::scaleAdd(grain, style.grain_grey, tiled(style, width, height, seed), surface);
+    surface.convertTo(picture, CV_8UC1, 1, style.grey);
+  } else {
+    grain.convertTo(picture, CV_8UC1, style.grain_grey, style.grey);
+  }
   Random random(seed, 11);
   const auto marks =
       static_cast<int>(style.marks_a_megatexel * 1e-6 * static_cast<double>(picture.total()));

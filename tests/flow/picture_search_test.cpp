@@ -54,6 +54,17 @@ INSTANTIATE_TEST_SUITE_P(PictureSearch, Search,
                                          Move{-120, 10, 0}, Move{20, 100, 0}, Move{-60, 40, 8},
                                          Move{10, -50, -10}));
 
+TEST(PictureSearch, LeavesTurnsOutIfAsked) {
+  const cv::Mat wide = ground(1024);
+  const cv::Rect seen(300, 300, 320, 240);
+  const auto found = find_shifts(wide(seen + cv::Point(-70, 30)), wide(seen),
+                                 Eigen::Matrix3d::Identity(), SearchedTurns::none);
+  ASSERT_FALSE(found.empty());
+  EXPECT_NEAR(found[0].shift_px.x(), -70, 4);
+  EXPECT_NEAR(found[0].shift_px.y(), 30, 4);
+  for (const PictureShift& shift : found) EXPECT_EQ(shift.turn_rad, 0);
+}
+
 TEST(PictureSearch, SeesNothingInABarePicture) {
   const cv::Mat grey(240, 320, CV_8UC1, cv::Scalar(90));
   EXPECT_TRUE(find_shifts(grey, grey).empty());

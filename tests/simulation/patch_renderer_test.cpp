@@ -119,6 +119,41 @@ TEST(PatchRenderer, ShowsTheNearestPatchInEveryPixel) {
   }
 }
 
+// A wall that covers its tiles is drawn by other code than one that shares them with slats before
+// it: where the wall is seen, it is the same.
+TEST(PatchRenderer, ShowsAPatchTheSameWhereItCoversATileAndWhereItSharesIt) {
+  cv::Mat grey = procedural_ground(600, 400, 5);
+  cv::GaussianBlur(grey, grey, {}, 1.5);
+  PatchScene scene{
+      .patches = {upright({5, 0, 2}, 40, 20, std::make_shared<GroundTexture>(grey, 0.02))}};
+  PatchScene with_slats = scene;
+  for (double z = 0.5; z < 3.5; z += 0.08) {
+    with_slats.patches.push_back(upright({1, 0, z}, 8, 0.003, plain(0)));
+  }
+  for (const DistortionModel lens : kLenses) {
+    const Camera camera = small_camera(lens);
+    const PatchRenderer renderer(camera, 1);
+    const RigidTransform pose = looking_ahead(35, 88, {0, 0, 2});
+    const cv::Mat alone = renderer.render(scene, pose);
+    const cv::Mat shared = renderer.render(with_slats, pose);
+    int compared = 0;
+    int different = 0;
+    for (int row = 0; row < camera.height_px; ++row) {
+      for (int column = 0; column < camera.width_px; ++column) {
+        const auto bearing = undistort(camera, {double(column), double(row)});
+        const std::optional<PatchHit> hit = first_hit(with_slats, ray_of(pose, *bearing));
+        if (!hit || hit->patch != with_slats.patches.data()) continue;
+        ++compared;
+        if (std::abs(alone.at<float>(row, column) - shared.at<float>(row, column)) > 0.05) {
+          ++different;
+        }
+      }
+    }
+    EXPECT_GT(compared, camera.width_px * camera.height_px / 2) << name_of(lens);
+    EXPECT_LE(different, 5) << name_of(lens);
+  }
+}
+
 // Near enough that a sample is smaller than a texel, a pixel has the grey of the point it sees.
 TEST(PatchRenderer, ShowsThePicturesThemselves) {
   cv::Mat grey = procedural_ground(300, 200, 7);

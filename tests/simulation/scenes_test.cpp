@@ -50,7 +50,7 @@ TEST(Scenes, HaveCornersToTrackAtTheStart) {
 TEST(Scenes, AreTheSameForTheSameSeedOnlyAndHaveNoTwoPicturesAlike) {
   const PatchScene room = make_room(1);
   const auto is_like = [](const Patch& a, const Patch& b) {
-    return std::equal(a.texture->words(), a.texture->words() + 64, b.texture->words());
+    return std::equal(a.texture->pairs(), a.texture->pairs() + 128, b.texture->pairs());
   };
   for (std::size_t k = 0; k < room.patches.size(); ++k) {
     for (std::size_t other = 0; other < k; ++other) {

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+
+#include "bench/processor_watch.hpp"
+#include "geometry/angle.hpp"
+#include "simulation/camera_mount.hpp"
+#include "simulation/develop.hpp"
+#include "simulation/patch_renderer.hpp"
+#include "simulation/plant_config.hpp"
+
+namespace stillkite::bench {
+
+/// A hover about its start: a circle that sways up and down, entered smoothly.
+struct Hover {
+  static constexpr double kSettle_s = 1.5;
+
+  RigidTransform start;  // world from body
+  double radius_m;
+
+  [[nodiscard]] RigidTransform world_from_body(double t_s) const {
+    const double s = std::clamp(t_s / kSettle_s, 0.0, 1.0);
+    const double away_m = radius_m * s * s * (3 - 2 * s);
+    const Eigen::Vector3d offset(std::cos(1.1 * t_s), std::sin(1.1 * t_s),
+                                 0.6 * std::sin(0.7 * t_s + 1));
+    const double yaw_rad = 3 * kDegree * std::sin(0.9 * t_s);
+    return start * RigidTransform{so3_exp({0, 0, yaw_rad}), away_m * offset};
+  }
+};
+
+/// What the trials' camera sees of a hover at an instant, with the processor time it took.
+struct View {
+  cv::Mat grey;
+  RigidTransform world_from_camera;
+  double render_ms = 0, develop_ms = 0;
+};
+
+inline View view_of(const PatchScene& scene, const PatchRenderer& renderer, const Hover& hover,
+                    double t_s, std::uint64_t seed) {
+  const SimulatedCameraConfig camera = hover_camera();
+  const RigidTransform mount = camera_raised_forward(camera.forward_tilt_deg);
+  const auto pose = [&](double at_s) { return hover.world_from_body(at_s) * mount; };
+  const Shutter shutter{.world_from_camera_at_opening = pose(t_s - 0.5 * camera.shutter_s),
+                        .world_from_camera_at_closing = pose(t_s + 0.5 * camera.shutter_s),
+                        .instants = camera.shutter_samples};
+  View view{.grey = {}, .world_from_camera = pose(t_s)};
+  ProcessorWatch watch;
+  const cv::Mat light = renderer.render(scene, shutter);
+  view.render_ms = watch.lap_ms();
+  view.grey = develop(light, {.noise_grey = camera.noise_grey}, seed);
+  view.develop_ms = watch.lap_ms();
+  return view;
+}
+
+}  // namespace stillkite::bench
