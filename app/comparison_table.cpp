@@ -70,9 +70,9 @@ std::string mark_of(const json& comparison, const json& entry, const std::string
 class ColumnTable {
  public:
   explicit ColumnTable(const json& comparison) : comparison_(comparison) {
-    text_ = fmt::format("{:<36}", "");
-    for (const json& entry : entries()) add_cell(entry["name"].get<std::string>());
-    text_ += '\n';
+    std::vector<std::string> names;
+    for (const json& entry : entries()) names.push_back(entry["name"].get<std::string>());
+    add_row("", names);
   }
 
   void add_row(const TableFigure& figure, bool is_marked = false) {
@@ -108,6 +108,7 @@ class ColumnTable {
   void add_row(const std::string& label, const std::vector<std::string>& cells) {
     text_ += fmt::format("{:<36}", label);
     for (const std::string& cell : cells) add_cell(cell);
+    text_.erase(text_.find_last_not_of(' ') + 1);
     text_ += '\n';
   }
 

@@ -2,13 +2,15 @@
 
 const path = {time_s: pathTime};
 const pathLines = () => paths;
-const runKeys = runs.map((run, i) => [run.name, runColor(i)]);
+const keysOf = isShown => runs.flatMap((run, i) => isShown(run, i) ? [[run.name, runColor(i)]] : []);
+const keyOfTruth = truth ? [['truth', 'truth', 'thick']] : [];
 
 function addComparedCharts(id, charts, {withTruth = false, ...options} = {}) {
   const drawn = charts.filter(([, , column]) => present(compared(column)).length);
   byId(id).hidden = !drawn.length;
   if (!drawn.length) return;
-  addKeys(byId(id), [...runKeys, ...(withTruth && truth ? [['truth', 'truth', 'thick']] : [])]);
+  const isShown = (run, i) => drawn.some(([, , column]) => isDrawn(`${i} ${column}`));
+  addKeys(byId(id), [...keysOf(isShown), ...(withTruth ? keyOfTruth : [])]);
   drawn.forEach(([title, unit, column], i) =>
     addChart(byId(id), title, unit, compared(column), {timeAxis: i + 1 === drawn.length, ...options}));
 }
@@ -18,10 +20,8 @@ function addStrips() {
   runs.forEach((run, i) => {
     const entry = entries[i] || {};
     for (const [verdict, count] of Object.entries(entry.verdicts || {})) counts[verdict] = (counts[verdict] || 0) + count;
-    const swatch = element('span', {className: 'swatch'});
-    swatch.style.background = `var(--${runColor(i)})`;
     byId('strips').append(
-      element('div', {className: 'strip-head'}, element('span', {}, swatch, run.name),
+      element('div', {className: 'strip-head'}, element('span', {}, runSwatch(i), run.name),
               element('span', {textContent: `${shown(percent(entry.availability_ratio))} % of the frames with an answer`})),
       element('div', {className: 'strip'}));
   });
@@ -41,7 +41,7 @@ drawSubtitle();
 drawResult();
 addStrips();
 byId('path').hidden = !paths.length;
-if (paths.length) addKeys(byId('path'), [...runKeys.filter((key, i) => runs[i].path), ...(truth ? [['truth', 'truth', 'thick']] : [])]);
+addKeys(byId('path'), [...keysOf(run => run.path), ...keyOfTruth]);
 addComparedCharts('position', [...'xyz'].map(axis => [axis, lengthUnit, `position_${axis}_m`]), {withTruth: true});
 addComparedCharts('error', [['position', 'm', 'position_error_m'], ['velocity', 'm/s', 'velocity_error_m_s'],
                             ['attitude', '°', 'attitude_error_deg']]);

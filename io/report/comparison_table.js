@@ -32,6 +32,12 @@ const lookUp = (entry, path) => path.split('.').reduce((at, key) => at === null 
 const differences = summary.differences || [];
 const words = {not_significant: 'n.s.'};
 
+function runSwatch(i) {
+  const swatch = element('span', {className: 'swatch run'});
+  swatch.style.background = `var(--${runColor(i)})`;
+  return swatch;
+}
+
 function badge(entry, figure) {
   const found = differences.find(d => d.of === entry.name && d.against === entries[0].name && d.figure === figure);
   return element('span', {className: `badge ${found ? found.verdict : ''}`,
@@ -48,9 +54,7 @@ function resultRow([label, path, shownAs, figure]) {
 function drawResult() {
   if (!entries.length) return;
   const heads = entries.map((entry, i) => {
-    const swatch = element('span', {className: 'swatch'});
-    swatch.style.background = `var(--${runColor(i)})`;
-    return element('th', {title: (entry.keys || []).join('\n')}, swatch, entry.name,
+    return element('th', {title: (entry.keys || []).join('\n')}, runSwatch(i), entry.name,
                    ...(differences.length ? [element('span', {className: 'badge'})] : []));
   });
   const body = element('tbody');
@@ -63,7 +67,8 @@ function drawResult() {
   byId('result').append(element('div', {className: 'scroll'}, element('table', {}, head, body)));
   if (differences.length) {
     byId('result').append(element('p', {className: 'lead note',
-      textContent: `Better, worse: than ${entries[0].name}, significantly (95 %); n.s.: not.`}));
+      textContent: `Better, worse: than ${entries[0].name} on the same frames, significantly (95 %); n.s.: not; ` +
+        'drifting: the errors hang together for so long that one flight cannot tell.'}));
   }
 }
 
