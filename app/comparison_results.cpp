@@ -5,12 +5,6 @@ namespace {
 
 using nlohmann::json;
 
-const char* verdict_on(const MeanInterval& difference) {
-  if (!difference.is_reliable) return "drifting";
-  if (!differs_from_zero(difference)) return "not_significant";
-  return difference.mean < 0 ? "better" : "worse";
-}
-
 void add_differences(json& list, const ComparedRun& run, const ComparedRun& other) {
   for (const auto& [figure, name] : EnumNames<FrameFigure>::value) {
     const auto difference = paired_difference(run.errors, other.errors, figure);
@@ -22,7 +16,7 @@ void add_differences(json& list, const ComparedRun& run, const ComparedRun& othe
                     {"mean", difference->mean},
                     {"low", difference->low},
                     {"high", difference->high},
-                    {"verdict", verdict_on(*difference)}});
+                    {"verdict", difference_verdict(*difference)}});
   }
 }
 
@@ -74,6 +68,12 @@ json comparison_json(std::span<const ComparedRun> runs, const ComparisonFacts& f
             {"threads", facts.threads}}},
           {"interrupted", facts.interrupted},
           {"source_complaint", facts.complaint ? json(*facts.complaint) : json(nullptr)}};
+}
+
+std::string_view difference_verdict(const MeanInterval& difference) {
+  if (!difference.is_reliable) return "drifting";
+  if (!differs_from_zero(difference)) return "not_significant";
+  return difference.mean < 0 ? "better" : "worse";
 }
 
 }  // namespace stillkite

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/variants.hpp"
@@ -37,5 +38,8 @@ struct ComparisonFacts {
 /// better or worse than `against`, not_significant, or drifting where one flight cannot tell.
 [[nodiscard]] nlohmann::json comparison_json(std::span<const ComparedRun> runs,
                                              const ComparisonFacts& facts);
+
+/// The word for such a difference of errors.
+[[nodiscard]] std::string_view difference_verdict(const MeanInterval& difference);
 
 }  // namespace stillkite

@@ -76,15 +76,6 @@ void add_variant_name(std::vector<VariantName>& variants, const std::string& nam
   if (is_policy(name)) variants.back().overrides.push_back("estimator.policy=" + name);
 }
 
-void check_shared(const VariantName& variant, const std::string& assignment) {
-  const std::string section = trimmed(assignment.substr(0, assignment.find_first_of(".=")));
-  if (std::find(kSharedSections.begin(), kSharedSections.end(), section) == kSharedSections.end()) {
-    return;
-  }
-  reject_name(variant.name, fmt::format("sets {}, but {} must be the same for all; use --set",
-                                        assignment, section));
-}
-
 }  // namespace
 
 std::vector<VariantName> parse_variants(const std::optional<std::string>& list) {
@@ -110,15 +101,33 @@ std::vector<VariantName> parse_variants(const std::optional<std::string>& list) 
     if (equals == std::string::npos) {
       reject_name(item, "has no key=value after its colon; write NAME:key=value");
     }
-    check_shared(variants.back(), assignment);
     variants.back().overrides.push_back(assignment);
   }
   return variants;
 }
 
+void require_shared(const std::vector<VariantName>& variants,
+                    std::span<const std::string_view> sections) {
+  for (const VariantName& variant : variants) {
+    for (const std::string& key : variant.overrides) {
+      const std::string section = trimmed(key.substr(0, key.find_first_of(".=")));
+      if (std::find(sections.begin(), sections.end(), section) == sections.end()) continue;
+      reject_name(variant.name,
+                  fmt::format("sets {}, but {} must be the same for all; use --set", key, section));
+    }
+  }
+}
+
+void check_policy(const std::string& name, Policy policy) {
+  if (!is_policy(name) || name_of(policy) == name) return;
+  reject_name(name,
+              fmt::format("is set to estimator.policy={}; give it another name", name_of(policy)));
+}
+
 std::vector<Variant> load_variants(const std::filesystem::path& file,
                                    const std::vector<std::string>& overrides,
                                    const std::vector<VariantName>& names) {
+  require_shared(names, kSharedSections);
   (void)load_run_config(file, overrides);  // what is wrong for all is not one variant's fault
   std::vector<Variant> variants;
   variants.reserve(names.size());
@@ -130,11 +139,7 @@ std::vector<Variant> load_variants(const std::filesystem::path& file,
     } catch (const InputError& error) {
       throw InputError(fmt::format("--estimators {}: {}", name.name, error.what()));
     }
-    const std::string_view policy = name_of(variants.back().config.estimator.policy);
-    if (is_policy(name.name) && policy != name.name) {
-      reject_name(name.name,
-                  fmt::format("is set to estimator.policy={}; give it another name", policy));
-    }
+    check_policy(name.name, variants.back().config.estimator.policy);
   }
   return variants;
 }

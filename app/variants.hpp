@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,13 @@ struct VariantName {
 /// Throws InputError on a name that is unknown, given twice or cannot be a folder's, and on an
 /// empty list.
 [[nodiscard]] std::vector<VariantName> parse_variants(const std::optional<std::string>& list);
+
+/// Throws InputError where a variant sets a key of these sections, which must not differ.
+void require_shared(const std::vector<VariantName>& variants,
+                    std::span<const std::string_view> sections);
+
+/// Throws InputError where a variant's name is a policy's, but the policy set by its keys another.
+void check_policy(const std::string& name, Policy policy);
 
 /// A name with its configuration.
 struct Variant {
