@@ -54,7 +54,8 @@ function resultRow([label, path, shownAs, figure]) {
 function drawResult() {
   if (!entries.length) return;
   const heads = entries.map((entry, i) => {
-    return element('th', {title: (entry.keys || []).join('\n')}, runSwatch(i), entry.name,
+    return element('th', {title: (entry.keys || []).join('\n')}, runSwatch(i),
+                   element('a', {href: `${encodeURIComponent(entry.name)}/report.html`, textContent: entry.name}),
                    ...(differences.length ? [element('span', {className: 'badge'})] : []));
   });
   const body = element('tbody');
