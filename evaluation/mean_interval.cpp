@@ -46,13 +46,14 @@ MeanInterval interval_about(double mean, std::span<const double> independent) {
 /// is 0 and its variance (n - 2) / (n^2 - 1).
 bool neighbours_are_alike(std::span<const double> samples) {
   constexpr double kOneSidedFivePercent = 1.645;
+  const auto n = static_cast<double>(samples.size());
   const double spread = squared_deviations(samples);
-  if (!(spread > 0)) return false;
+  const double rounding = 1e-12 * std::abs(mean_of(samples));
+  if (!(spread > n * rounding * rounding)) return false;
   double steps = 0;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     steps += (samples[i] - samples[i - 1]) * (samples[i] - samples[i - 1]);
   }
-  const auto n = static_cast<double>(samples.size());
   return 1 - steps / (2 * spread) > kOneSidedFivePercent * std::sqrt((n - 2) / (n * n - 1));
 }
 
