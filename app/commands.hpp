@@ -13,6 +13,7 @@ namespace stillkite {
 void add_run(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_evaluate(CLI::App& app);
+void add_compare(CLI::App& app);
 void add_hover(CLI::App& app);
 void add_config(CLI::App& app);
 

@@ -34,6 +34,7 @@ ExitCode run_command_line(int argc, char** argv) {
   stillkite::add_run(app);
   stillkite::add_simulate(app);
   stillkite::add_evaluate(app);
+  stillkite::add_compare(app);
   stillkite::add_hover(app);
   stillkite::add_config(app);
 

@@ -4,8 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/evaluation_json.hpp"
-#include "evaluation/evaluation.hpp"
+#include "app/run_evaluation.hpp"
 #include "io/config_printing.hpp"
 #include "io/report.hpp"
 
@@ -13,28 +12,6 @@ namespace stillkite {
 namespace {
 
 using nlohmann::json;
-
-json evaluation_of(const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates) {
-  if (inputs.truth.empty() || estimates.empty()) return nullptr;
-  const EvaluationOptions options{.is_metric = estimates.back().scale != ScaleSource::none,
-                                  .body_from_camera = inputs.body_from_camera};
-  Evaluation evaluation =
-      evaluate(judged_motions(estimates),
-               {.poses = inputs.truth, .twists_in_camera = inputs.twists_in_camera}, options);
-  evaluation.reference =
-      reference_error(estimates, inputs.truth, inputs.body_from_camera, options.tolerance_s);
-  return evaluation_json(evaluation);
-}
-
-std::vector<std::optional<RigidTransform>> truth_at(
-    const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates) {
-  std::vector<std::optional<RigidTransform>> truth;
-  if (inputs.truth.empty()) return truth;
-  for (const NavigationEstimate& e : estimates) {
-    truth.push_back(pose_at(inputs.truth, e.stamp, EvaluationOptions{}.tolerance_s));
-  }
-  return truth;
-}
 
 // "1.23 m", or "unknown".
 std::string figure(const json& value, const char* unit) {
@@ -46,7 +23,7 @@ std::string figure(const json& value, const char* unit) {
 json write_run_results(const std::filesystem::path& folder, const RunConfig& config,
                        const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates,
                        const RunFacts& facts) {
-  const json summary = run_summary(estimates, facts, evaluation_of(inputs, estimates));
+  const json summary = run_summary(estimates, facts, run_evaluation(inputs, estimates));
   write_file(folder / "summary.json", summary.dump(2) + '\n');
   const auto truth = truth_at(inputs, estimates);
   write_report(folder / "report.html",

@@ -1,55 +1,11 @@
 #include "evaluation/evaluation.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
+
+#include "evaluation/twist_pairs.hpp"
 
 namespace stillkite {
 namespace {
-
-/// The camera's motion at one estimate, as estimated and true.
-struct TwistPair {
-  Twist estimate;
-  Twist truth;
-  const JudgedMotion* source;
-};
-
-Twist difference(const PosePair& before, const PosePair& after, RigidTransform PosePair::*pose,
-                 const RigidTransform& body_from_camera) {
-  return mean_twist(before.*pose * body_from_camera, after.*pose * body_from_camera,
-                    seconds_between(before.stamp, after.stamp));
-}
-
-/// Where estimate and truth both know the motion. Where the truth has velocities of its own, an
-/// estimate needs no true pose to be judged.
-std::vector<TwistPair> twist_pairs(std::span<const JudgedMotion> estimates,
-                                   std::span<const PosePair> pairs, const Truth& truth,
-                                   const EvaluationOptions& options, double scale) {
-  std::vector<const PosePair*> pair_of(estimates.size(), nullptr);
-  for (const PosePair& pair : pairs) pair_of[pair.index] = &pair;
-
-  std::vector<TwistPair> result;
-  for (std::size_t i = 1; i < estimates.size(); ++i) {
-    const PosePair* before = pair_of[i - 1];
-    const PosePair* after = pair_of[i];
-    const auto from_poses = [&](RigidTransform PosePair::*pose) -> std::optional<Twist> {
-      if (!before || !after) return std::nullopt;
-      return difference(*before, *after, pose, options.body_from_camera);
-    };
-    std::optional<Twist> estimate = estimates[i].twist_in_camera;
-    if (estimate) {
-      estimate->velocity_m_s *= scale;
-    } else {
-      estimate = from_poses(&PosePair::estimate);
-    }
-    const std::optional<Twist> expected =
-        truth.twists_in_camera.empty()
-            ? from_poses(&PosePair::truth)
-            : twist_at(truth.twists_in_camera, estimates[i].stamp, options.tolerance_s);
-    if (estimate && expected) result.push_back({*estimate, *expected, &estimates[i]});
-  }
-  return result;
-}
 
 std::optional<VectorError> twist_error(std::span<const TwistPair> pairs,
                                        Eigen::Vector3d Twist::*part) {
@@ -62,11 +18,12 @@ std::optional<VectorError> twist_error(std::span<const TwistPair> pairs,
   return vector_error(estimate, truth);
 }
 
-std::optional<Consistency> twist_consistency(std::span<const TwistPair> pairs,
+std::optional<Consistency> twist_consistency(std::span<const JudgedMotion> estimates,
+                                             std::span<const TwistPair> pairs,
                                              Eigen::Vector3d Twist::*part, Eigen::Index offset) {
   std::vector<double> samples;
   for (const TwistPair& pair : pairs) {
-    const std::optional<Matrix6d>& P = pair.source->twist_covariance;
+    const std::optional<Matrix6d>& P = estimates[pair.index].twist_covariance;
     if (!P) continue;
     const Eigen::Matrix3d block = P->block<3, 3>(offset, offset);
     const auto value = nees(pair.estimate.*part - pair.truth.*part, block);
@@ -127,6 +84,14 @@ std::vector<JudgedMotion> judged_motions(std::span<const NavigationEstimate> est
   return result;
 }
 
+std::vector<StampedPose> poses_of(std::span<const JudgedMotion> motions) {
+  std::vector<StampedPose> poses;
+  poses.reserve(motions.size());
+  for (const JudgedMotion& motion : motions)
+    poses.push_back({motion.stamp, motion.world_from_body});
+  return poses;
+}
+
 std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses) {
   std::vector<JudgedMotion> result;
   result.reserve(poses.size());
@@ -138,15 +103,9 @@ std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses) {
 
 Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
                     const EvaluationOptions& options) {
-  std::vector<StampedPose> poses;
-  poses.reserve(estimates.size());
-  std::transform(estimates.begin(), estimates.end(), std::back_inserter(poses),
-                 [](const JudgedMotion& e) {
-                   return StampedPose{e.stamp, e.world_from_body};
-                 });
-
   // 1. The stamps that both know.
-  const std::vector<PosePair> raw = associate(poses, truth.poses, options.tolerance_s);
+  const std::vector<PosePair> raw =
+      associate(poses_of(estimates), truth.poses, options.tolerance_s);
   Evaluation result{.matched = static_cast<int>(raw.size()), .path_length_m = path_length_m(raw)};
 
   // 2. Poses, once the estimate lies on the truth.
@@ -173,8 +132,8 @@ Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
     result.nees.position = consistency(samples.position, 3);
     result.nees.attitude = consistency(samples.attitude, 3);
   }
-  result.nees.velocity = twist_consistency(twists, &Twist::velocity_m_s, 0);
-  result.nees.angular_rate = twist_consistency(twists, &Twist::angular_rate_rad_s, 3);
+  result.nees.velocity = twist_consistency(estimates, twists, &Twist::velocity_m_s, 0);
+  result.nees.angular_rate = twist_consistency(estimates, twists, &Twist::angular_rate_rad_s, 3);
   if (!options.is_metric) forget_lengths(result);
   return result;
 }

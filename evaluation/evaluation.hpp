@@ -31,6 +31,8 @@ struct JudgedMotion {
 /// Poses alone, as a trajectory file has them.
 [[nodiscard]] std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses);
 
+[[nodiscard]] std::vector<StampedPose> poses_of(std::span<const JudgedMotion> motions);
+
 struct EvaluationOptions {
   double tolerance_s = 0.01;  ///< between an estimate and the nearest truth
   Alignment alignment = Alignment::none;

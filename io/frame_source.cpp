@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <thread>
@@ -96,6 +98,7 @@ struct FrameSource::State {
   BoundedQueue<ReadResult> queue{kDecodeAhead};
   std::exception_ptr failure;  // these two are written before the queue is closed, read after
   bool reader_ended = false;
+  std::atomic<std::int64_t> decoding_ns = 0;
 
   std::optional<Frame> first;
   bool first_is_taken = false;
@@ -111,7 +114,9 @@ void FrameSource::State::decode_all() {
   PicturePool pool;
   try {
     while (true) {
+      const auto start = std::chrono::steady_clock::now();
       ReadResult result = std::visit([&](auto& from) { return from.read(pool.take()); }, reader);
+      decoding_ns += std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
       if (result.status == ReadResult::Status::end) {
         reader_ended = true;
         break;
@@ -177,6 +182,9 @@ std::int64_t FrameSource::read() const {
 }
 std::int64_t FrameSource::rejected() const {
   return state_->rejected;
+}
+double FrameSource::decoding_s() const {
+  return 1e-9 * static_cast<double>(state_->decoding_ns);
 }
 std::optional<std::int64_t> FrameSource::expected() const {
   return state_->expected;

@@ -48,6 +48,9 @@ class FrameSource {
   [[nodiscard]] std::int64_t read() const;
   [[nodiscard]] std::int64_t rejected() const;
 
+  /// What decoding has taken so far, beside whatever was done with the frames.
+  [[nodiscard]] double decoding_s() const;
+
   /// How many there should be in all, for progress.
   [[nodiscard]] std::optional<std::int64_t> expected() const;
 

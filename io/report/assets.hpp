@@ -17,4 +17,8 @@ extern const std::string_view kHoverMain;
 extern const std::string_view kHoverStyle;
 extern const std::string_view kHoverScript;
 
+extern const std::string_view kComparisonMain;
+extern const std::string_view kComparisonStyle;
+extern const std::string_view kComparisonScript;
+
 }  // namespace stillkite::report_assets

@@ -25,6 +25,10 @@ embed(kHoverMain ${FOLDER}/hover.html)
 embed(kHoverStyle ${FOLDER}/report.css ${FOLDER}/hover.css)
 embed_script(kHoverScript ${common} trials.js table_one.js displacement.js histogram.js heat_map.js
              decisions.js replay_views.js replay.js trial_table.js hover_page.js)
+embed(kComparisonMain ${FOLDER}/comparison.html)
+embed(kComparisonStyle ${FOLDER}/report.css ${FOLDER}/comparison.css)
+embed_script(kComparisonScript ${common} compared.js comparison_table.js charts.js path.js verdicts.js
+             comparison_page.js)
 embed(kDygraphs ${DYGRAPHS_JS})
 embed(kDygraphsStyle ${DYGRAPHS_CSS})
 file(APPEND ${OUTPUT} "}  // namespace stillkite::report_assets\n")

@@ -68,13 +68,27 @@ function addTimingCharts() {
   if (rows.length) byId('timing').append(table(rows[0].length > 2 ? ['stage', 'median, ms', '99 %, ms'] : ['stage', 'ms'], rows));
 }
 
+function drawVerdicts() {
+  drawStrip(document.querySelector('.strip'), data.verdicts);
+}
+
+function pathLines() {
+  if (!path.position_x_m) return [];
+  const lines = [];
+  if (path.position_true_x_m) {
+    lines.push({x: path.position_true_x_m, y: path.position_true_y_m, color: 'truth', width: 4});
+  }
+  lines.push({x: path.position_x_m, y: path.position_y_m, color: 'estimate', width: 1.6, end: 'end'});
+  return lines;
+}
+
 function drawCanvases() {
   drawVerdicts();
   drawPath();
 }
 
 drawHeadline();
-drawVerdictCounts();
+addVerdictLegend(summary.verdicts || {});
 addKeysOfEstimate(byId('path'), false, [['start', 'start', 'point'], ['end', 'end', 'point']]);
 addStateCharts();
 addErrorCharts();

@@ -1,18 +1,10 @@
-// The path seen from above, with equal axes; it follows the charts' zoom and pointer.
-
-function pathLines() {
-  const lines = [];
-  if (path.position_true_x_m) {
-    lines.push({x: path.position_true_x_m, y: path.position_true_y_m, color: 'truth', width: 4});
-  }
-  lines.push({x: path.position_x_m, y: path.position_y_m, color: 'estimate', width: 1.6});
-  return lines;
-}
+// The path seen from above, with equal axes; it follows the charts' zoom and pointer. The page says
+// which lines: {x, y, color, width, end: color of the last point of an estimate}.
 
 function drawPath() {
   const place = document.querySelector('.top-view');
-  if (!path.position_x_m) return;
   const lines = pathLines();
+  if (!lines.length) return;
   const n = path.time_s.length;
   let from = 0;
   let to = n;
@@ -26,11 +18,13 @@ function drawPath() {
   const {context, map} = plane;
   drawGrid(plane, {x: `x, ${lengthUnit}`, y: `y, ${lengthUnit}`});
   for (const line of lines) drawLine(context, line, map, from, to);
-  const estimate = lines[lines.length - 1];
-  const mark = (i, fill, radius) => dot(context, map.x(estimate.x[i]), map.y(estimate.y[i]), fill, radius);
-  mark(from, color('start'));
-  mark(to - 1, color('end'));
-  if (pointed !== null) mark(Math.round(pointed * (n - 1) / Math.max(time.length - 1, 1)), color('ink'), 6);
+  const pointedAt = pointed === null ? null : Math.round(pointed * (n - 1) / Math.max(time.length - 1, 1));
+  for (const {x, y, end} of lines.filter(line => line.end)) {
+    const mark = (i, fill, radius) => dot(context, map.x(x[i]), map.y(y[i]), fill, radius);
+    mark(from, color('start'));
+    mark(to - 1, color(end));
+    if (pointedAt !== null) mark(pointedAt, color('ink'), 6);
+  }
 }
 
 windowListeners.push(drawPath);

@@ -22,6 +22,6 @@ add_custom_command(
   VERBATIM)
 set_source_files_properties(${report_assets} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_sources(stillkite_io PRIVATE
-  ${report_assets} base64.cpp decimation.cpp hover_distribution.cpp hover_report.cpp report.cpp
+  ${report_assets} base64.cpp comparison_report.cpp decimation.cpp hover_distribution.cpp hover_report.cpp report.cpp
   report_page.cpp report_series.cpp)
 target_link_libraries(stillkite_io PUBLIC nlohmann_json::nlohmann_json)

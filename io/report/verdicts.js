@@ -1,13 +1,13 @@
 // What each frame's answer was worth, over time.
 
-function drawVerdicts() {
-  const {context, width, height} = fitCanvas(document.querySelector('.strip'), 26);
+function drawStrip(place, stretches) {
+  const {context, width, height} = fitCanvas(place, place.clientHeight);
   const [start, end] = timeWindow || [0, duration];
   const left = kAxisWidth;
   const scale = (width - left) / Math.max(end - start, 1e-9);
   const edge = t => left + Math.min(Math.max((t - start) * scale, 0), width - left);
   // What is good is drawn first, so that a single bad frame of a long flight still shows.
-  const ordered = [...data.verdicts].sort((a, b) => (a[0] !== 'ok') - (b[0] !== 'ok'));
+  const ordered = [...stretches].sort((a, b) => (a[0] !== 'ok') - (b[0] !== 'ok'));
   for (const [verdict, from, to] of ordered) {
     if (to < start || from > end) continue;
     context.fillStyle = color(verdict) || color('time_gap');
@@ -15,8 +15,7 @@ function drawVerdicts() {
   }
 }
 
-function drawVerdictCounts() {
-  const counts = summary.verdicts || {};
+function addVerdictLegend(counts) {
   const total = Object.values(counts).reduce((sum, count) => sum + count, 0);
   const items = Object.entries(counts).filter(([, count]) => count > 0).sort((a, b) => b[1] - a[1]);
   document.querySelector('#verdicts .legend').append(...items.map(([verdict, count]) => {

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Ctrl-C in the middle of a run: status 130, what was estimated is written, nothing half is left.
 # The source is a data set's pictures over and over, so that no machine is done before the signal.
-# usage: interrupt_test.sh STILLKITE EUROC_DATA_SET OUT
-stillkite=$1 dataset=$2 out=$3
+# usage: interrupt_test.sh STILLKITE run|compare EUROC_DATA_SET OUT
+stillkite=$1 subcommand=$2 dataset=$3 out=$4
 rm -rf "$out" "$out.source"
 cam0=$out.source/mav0/cam0
 mkdir -p "$cam0"
@@ -12,10 +12,14 @@ grep -v '^#' "$dataset/mav0/cam0/data.csv" | tr -d '\r' | awk -F, '
   END { for (i = 1; i <= 20000; ++i) printf "%d0000000,%s\n", i, name[i % NR + 1] }' \
   > "$cam0/data.csv"
 echo "{source: {path: .}, initial: {height_m: 20}, shadow: {enabled: true}}" > "$out.source/run.yaml"
-"$stillkite" run "$out.source/run.yaml" --out "$out" > /dev/null 2> "$out.messages" &
+case $subcommand in
+  run) results=$out said=$out/summary.json ;;
+  compare) results=$out/reference said=$out/comparison.json ;;
+esac
+"$stillkite" "$subcommand" "$out.source/run.yaml" --out "$out" > /dev/null 2> "$out.messages" &
 pid=$!
 tries=0
-until [ -e "$out/estimates.csv.part" ]; do
+until [ -e "$results/estimates.csv.part" ]; do
   tries=$((tries + 1))
   [ $tries -gt 1000 ] && { echo "the run did not start"; cat "$out.messages"; exit 1; }
   sleep 0.01
@@ -26,9 +30,12 @@ status=$?
 cat "$out.messages"
 [ $status -eq 130 ] || { echo "exit status $status, expected 130"; exit 1; }
 grep -q "stopped after" "$out.messages" || { echo "it does not say so"; exit 1; }
-grep -q '"interrupted": true' "$out/summary.json" || { echo "summary.json does not say so"; exit 1; }
-for name in estimates.csv commands.csv trajectory.tum report.html; do
-  [ -s "$out/$name" ] || { echo "$name is missing"; exit 1; }
+for summary in "$said" "$results/summary.json"; do
+  grep -q '"interrupted": true' "$summary" || { echo "$summary does not say so"; exit 1; }
 done
-ls "$out" | grep part && { echo "half a file is left"; exit 1; }
+for name in estimates.csv commands.csv trajectory.tum report.html; do
+  [ -s "$results/$name" ] || { echo "$name is missing"; exit 1; }
+done
+[ -s "$out/report.html" ] || { echo "the report is missing"; exit 1; }
+ls -R "$out" | grep part && { echo "half a file is left"; exit 1; }
 exit 0

@@ -69,6 +69,7 @@ TEST(FrameSource, AVideoGivesEveryFrameWithItsStamp) {
     EXPECT_NEAR(brightness(frames[i]), 16 + (40 + 2 * i) * 219.0 / 255.0, 4.0) << i;
   }
   EXPECT_EQ(source.read(), kFrames);
+  EXPECT_GT(source.decoding_s(), 0);
   EXPECT_EQ(source.rejected(), 0);
   EXPECT_FALSE(source.complaint().has_value());
 }

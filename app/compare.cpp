@@ -1,0 +1,171 @@
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <opencv2/core/utility.hpp>
+
+#include "app/commands.hpp"
+#include "app/comparison_results.hpp"
+#include "app/comparison_table.hpp"
+#include "app/estimator_run.hpp"
+#include "app/exit_code.hpp"
+#include "app/interrupt.hpp"
+#include "app/run_evaluation.hpp"
+#include "app/run_results.hpp"
+#include "app/variants.hpp"
+#include "io/comparison_report.hpp"
+#include "io/config_printing.hpp"
+#include "io/output_file.hpp"
+
+namespace stillkite {
+namespace {
+
+struct CompareArguments {
+  std::filesystem::path config;
+  std::vector<std::string> estimators;
+  std::vector<std::string> overrides;
+  std::filesystem::path out;
+  int threads = 1;
+  bool json = false;
+};
+
+std::vector<EstimatorRun> make_runs(const std::vector<Variant>& variants, const Frame& first) {
+  std::vector<EstimatorRun> runs;
+  runs.reserve(variants.size());
+  for (const Variant& variant : variants) {
+    try {
+      runs.emplace_back(variant.config, first);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", variant.name, error.what()));
+    }
+  }
+  return runs;
+}
+
+ComparedRun write_run(const std::filesystem::path& folder, const Variant& variant,
+                      EstimatorRun& run, RunFacts facts) {
+  run.commit();
+  const std::span<const float> frame_ms = run.frame_ms();
+  facts.frame_ms = frame_ms;
+  facts.wall_s = 1e-3 * std::accumulate(frame_ms.begin(), frame_ms.end(), 0.0);
+  facts.commands = run.commands();
+  return {.name = variant.name,
+          .overrides = variant.overrides,
+          .estimator = variant.config.estimator,
+          .summary = write_run_results(folder, run.config(), run.inputs(), run.estimates(), facts),
+          .errors = run_frame_errors(run.inputs(), run.estimates()),
+          .own_s = facts.wall_s};
+}
+
+void write_page(const std::filesystem::path& file, const CompareArguments& arguments,
+                const std::vector<Variant>& variants, const std::vector<EstimatorRun>& runs,
+                const nlohmann::json& comparison) {
+  std::vector<ComparedEstimates> estimates;
+  estimates.reserve(runs.size());
+  std::string configs;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    estimates.push_back({.name = variants[i].name,
+                         .estimates = runs[i].estimates(),
+                         .frame_ms = runs[i].frame_ms()});
+    configs += fmt::format("# {}\n{}\n", variants[i].name, print_config(variants[i].config));
+  }
+  const auto truth = truth_at(runs.front().inputs(), runs.front().estimates());
+  write_comparison_report(file,
+                          {.title = arguments.config.string(),
+                           .runs = estimates,
+                           .truth = truth,
+                           .config_yaml = configs},
+                          comparison);
+}
+
+void compare(const CompareArguments& arguments) {
+  const auto list = arguments.estimators.empty()
+                        ? std::nullopt
+                        : std::optional(fmt::format("{}", fmt::join(arguments.estimators, ",")));
+  const std::vector<Variant> variants =
+      load_variants(arguments.config, arguments.overrides, parse_variants(list));
+  cv::setNumThreads(arguments.threads);
+  FrameSource source(variants.front().config.source);
+  std::vector<EstimatorRun> runs = make_runs(variants, source.first());
+  const std::filesystem::path out = arguments.out.empty()
+                                        ? std::filesystem::path("out") / arguments.config.stem()
+                                        : arguments.out;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    runs[i].write_to(out / variants[i].name, source.expected());
+  }
+  tell_of_missing_scale(runs.front().inputs());
+
+  const auto start = std::chrono::steady_clock::now();
+  const std::exception_ptr failure = step_through(source, runs, "compare");
+  const ComparisonFacts facts{
+      .frames_read = source.read(),
+      .wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+      .decoding_s = source.decoding_s(),
+      .threads = arguments.threads,
+      .interrupted = interrupted(),
+      .complaint = source.complaint()};
+  if (facts.complaint) fmt::print(stderr, "stillkite: {}\n", *facts.complaint);
+  if (failure || facts.interrupted) {
+    fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
+               runs.front().estimates().size(), out.string());
+  }
+  std::vector<ComparedRun> compared;
+  compared.reserve(runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const RunFacts of_run{.frames_read = facts.frames_read,
+                          .frame_ms = {},
+                          .interrupted = facts.interrupted,
+                          .complaint = facts.complaint,
+                          .commands = {}};
+    compared.push_back(write_run(out / variants[i].name, variants[i], runs[i], of_run));
+  }
+  const nlohmann::json comparison = comparison_json(compared, facts);
+  write_file(out / "comparison.json", comparison.dump(2) + '\n');
+  write_page(out / "report.html", arguments, variants, runs, comparison);
+  if (failure) std::rethrow_exception(failure);
+  if (arguments.json) {
+    fmt::print("{}\n", comparison.dump(2));
+  } else {
+    fmt::print("{}report       {}\n", comparison_table(comparison), (out / "report.html").string());
+  }
+  if (facts.interrupted) throw Interrupted{};
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("compare", "Run several estimators over the same frames, side by side");
+  const auto arguments = std::make_shared<CompareArguments>();
+  command->add_option("config", arguments->config, "YAML file; see: stillkite config")->required();
+  command
+      ->add_option("--estimators", arguments->estimators,
+                   "Policies, and configurations of your own as NAME:key=value,key=value "
+                   "(default: every policy)")
+      ->allow_extra_args(false)
+      ->type_name("LIST");
+  command
+      ->add_option("--set", arguments->overrides,
+                   "Override a key of the configuration for all, as key=value; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command->add_option("--out", arguments->out, "Folder for the results (default: out/CONFIG)")
+      ->type_name("DIR");
+  command
+      ->add_option("--threads", arguments->threads,
+                   "Of each estimator. With one, the default, their times can be compared; frames "
+                   "are decoded ahead on threads of their own")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--json", arguments->json, "Print comparison.json on stdout and nothing else");
+  command->footer(
+      "Writes comparison.json, report.html, and for each estimator a folder with what run writes.\n"
+      "Example: stillkite compare flight.yaml "
+      "--estimators flow,reference,paper:estimator.policy=flow,estimator.mode=paper");
+  command->callback([arguments] { compare(*arguments); });
+}
+
+}  // namespace stillkite

@@ -1,0 +1,100 @@
+#include "app/estimator_run.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+
+#include "app/interrupt.hpp"
+#include "app/progress_bar.hpp"
+#include "io/output_file.hpp"
+
+namespace stillkite {
+namespace {
+
+using RunClock = std::chrono::steady_clock;
+
+// What a frame's rows, and its part of the report, take on the disk at most.
+constexpr std::uintmax_t kBytesPerFrame = 1700;
+constexpr std::uintmax_t kBytesPerRun = 2 << 20;
+constexpr std::uintmax_t kBytesPerDrawnFrame = 100'000;
+
+HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
+  return {inputs.camera,    inputs.body_from_camera,    config.navigator,
+          config.estimator, in_the_shadow(config.hold), inputs.initial};
+}
+
+}  // namespace
+
+EstimatorRun::EstimatorRun(RunConfig config, const Frame& first)
+    : config_(std::move(config)),
+      inputs_(read_flight_inputs(config_, first)),
+      pilot_(make_pilot(config_, inputs_)) {}
+
+void EstimatorRun::write_to(const std::filesystem::path& folder,
+                            std::optional<std::int64_t> expected_frames) {
+  const auto frames = static_cast<std::uintmax_t>(expected_frames.value_or(0));
+  const std::uintmax_t bytes_per_frame =
+      kBytesPerFrame + (config_.output.overlay ? kBytesPerDrawnFrame : 0);
+  prepare_output_folder(folder, kBytesPerRun + frames * bytes_per_frame);
+  files_.emplace(Files{.estimates = RunRecorder(folder), .commands = {}, .overlay = {}});
+  if (config_.has_shadow()) files_->commands.emplace(folder);
+  if (config_.output.overlay) {
+    files_->overlay.emplace(folder / "overlay.mp4", inputs_.camera, inputs_.body_from_camera);
+  }
+}
+
+void EstimatorRun::step(const Frame& frame) {
+  const TetheredReadings readings{
+      .now = frame.stamp,
+      .tether = TetherReading{.stamp = frame.stamp, .tether = config_.shadow.tether.state()},
+      .station_from_body = std::nullopt,
+      .others = readings_between(inputs_.sensors, before_.value_or(frame.stamp), frame.stamp)};
+  before_ = frame.stamp;
+  const RunClock::time_point start = RunClock::now();
+  const PilotStep step = pilot_.step(frame, readings);
+  frame_ms_.push_back(std::chrono::duration<float, std::milli>(RunClock::now() - start).count());
+  files_->estimates.add(step.estimate);
+  if (files_->commands) files_->commands->add(frame.stamp, step.decision);
+  if (files_->overlay) files_->overlay->add(frame, step.estimate, pilot_.windows());
+}
+
+void EstimatorRun::commit() {
+  files_->estimates.commit();
+  if (files_->commands) files_->commands->commit();
+  if (files_->overlay) files_->overlay->commit();
+}
+
+const std::vector<NavigationEstimate>& EstimatorRun::estimates() const {
+  return files_->estimates.estimates();
+}
+
+std::optional<CommandCounts> EstimatorRun::commands() const {
+  return files_->commands ? std::optional(files_->commands->counts()) : std::nullopt;
+}
+
+std::exception_ptr step_through(FrameSource& source, std::span<EstimatorRun> runs,
+                                const std::string& label) {
+  try {
+    ProgressBar progress(label, source.expected());
+    std::size_t turn = 0;
+    while (!interrupted()) {
+      const std::optional<Frame> frame = source.next();
+      if (!frame) break;
+      for (std::size_t i = 0; i < runs.size(); ++i) runs[(turn + i) % runs.size()].step(*frame);
+      ++turn;
+      progress.step();
+    }
+  } catch (...) {
+    return std::current_exception();
+  }
+  return nullptr;
+}
+
+void tell_of_missing_scale(const FlightInputs& inputs) {
+  if (inputs.initial.scale != ScaleSource::none) return;
+  fmt::print(stderr,
+             "stillkite: no height is given: every metre below is one initial height over the "
+             "ground (initial.height_m sets the scale)\n");
+}
+
+}  // namespace stillkite

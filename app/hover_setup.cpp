@@ -1,0 +1,64 @@
+#include "app/hover_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <opencv2/imgcodecs.hpp>
+
+#include "io/config_binding.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr std::array<std::string_view, 6> kSharedHoverSections{"seed", "scene",      "trials",
+                                                               "link", "plant_file", "plant"};
+
+/// A picture as the video link's compression leaves it.
+cv::Mat through_jpeg(const cv::Mat& grey, int quality) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", grey, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+}
+
+}  // namespace
+
+HoverConfig load_hover_config(const std::filesystem::path& file,
+                              const std::vector<std::string>& overrides) {
+  ConfigNode root = read_yaml(file);
+  for (const std::string& assignment : overrides) apply_override(root, assignment);
+  HoverConfig config;
+  if (root.find("plant_file") != nullptr) {
+    const auto plant_file = bind_config<HoverConfig>(root).plant_file;
+    if (plant_file) config.plant = bind_config<PlantConfig>(read_yaml(*plant_file));
+  }
+  return bind_config<HoverConfig>(root, config);
+}
+
+HoverWorld make_world(const HoverConfig& config) {
+  const int quality = config.link.jpeg_quality;
+  if (quality == 0) return make_hover_world(config);
+  return make_hover_world(config,
+                          [quality](const cv::Mat& grey) { return through_jpeg(grey, quality); });
+}
+
+std::vector<HoverVariant> load_hover_variants(const std::filesystem::path& file,
+                                              const std::vector<std::string>& overrides,
+                                              const std::vector<VariantName>& names) {
+  require_shared(names, kSharedHoverSections);
+  (void)load_hover_config(file, overrides);  // what is wrong for all is not one variant's fault
+  std::vector<HoverVariant> variants;
+  variants.reserve(names.size());
+  for (const VariantName& name : names) {
+    std::vector<std::string> all = overrides;
+    all.insert(all.end(), name.overrides.begin(), name.overrides.end());
+    try {
+      variants.push_back({name.name, name.overrides, load_hover_config(file, all)});
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("--estimators {}: {}", name.name, error.what()));
+    }
+    check_policy(name.name, variants.back().config.estimator.policy);
+  }
+  return variants;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "evaluation/frame_error.hpp"
+#include "io/flight_inputs.hpp"
+
+namespace stillkite {
+
+/// `evaluation` of summary.json: against the truth without any alignment; null where there is none.
+[[nodiscard]] nlohmann::json run_evaluation(const FlightInputs& inputs,
+                                            std::span<const NavigationEstimate> estimates);
+
+/// One for each estimate; empty where there is no truth.
+[[nodiscard]] std::vector<FrameError> run_frame_errors(
+    const FlightInputs& inputs, std::span<const NavigationEstimate> estimates);
+
+/// The truth at each estimate; empty where there is none at all.
+[[nodiscard]] std::vector<std::optional<RigidTransform>> truth_at(
+    const FlightInputs& inputs, std::span<const NavigationEstimate> estimates);
+
+}  // namespace stillkite

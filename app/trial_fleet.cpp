@@ -1,0 +1,77 @@
+#include "app/trial_fleet.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "app/exit_code.hpp"
+#include "app/hover_report_trials.hpp"
+#include "app/interrupt.hpp"
+
+namespace stillkite {
+namespace {
+
+void film(const Frame& frame, std::vector<HoverPicture>& pictures) {
+  constexpr double kPeriod_s = 0.2;
+  constexpr double kSlack_s = 1e-3;
+  const double t_s = to_seconds(frame.stamp);
+  if (!pictures.empty() && t_s < pictures.back().t_s + kPeriod_s - kSlack_s) return;
+  pictures.push_back(hover_picture(frame));
+}
+
+}  // namespace
+
+TrialFleet::TrialFleet(const HoverConfig& config, const HoverWorld& world,
+                       std::vector<Trial> trials, const std::string& label)
+    : config_(config),
+      world_(world),
+      trials_(std::move(trials)),
+      records_(trials_.size()),
+      pictures_(trials_.size()),
+      progress_(label, static_cast<std::int64_t>(trials_.size())) {}
+
+void TrialFleet::fly(int jobs) {
+  {
+    std::vector<std::jthread> crew;
+    crew.reserve(static_cast<std::size_t>(jobs));
+    for (int i = 0; i < jobs; ++i) crew.emplace_back([this] { fly_next_ones(); });
+  }
+  if (failure_) std::rethrow_exception(failure_);
+  forget_unfinished();
+}
+
+void TrialFleet::fly_next_ones() {
+  try {
+    for (std::size_t i = next_++; i < trials_.size() && !stopped_; i = next_++) {
+      records_[i] = fly_trial(config_, world_, trials_[i], [&](const Frame& frame, auto&&...) {
+        if (stopped_ || interrupted()) throw Interrupted{};
+        if (is_filmed(i)) film(frame, pictures_[i]);
+      });
+      const std::scoped_lock lock(mutex_);
+      progress_.step();
+    }
+  } catch (const Interrupted&) {
+    stopped_ = true;
+  } catch (...) {
+    const std::scoped_lock lock(mutex_);
+    if (!stopped_.exchange(true)) failure_ = std::current_exception();
+  }
+}
+
+void TrialFleet::forget_unfinished() {
+  for (std::size_t i = records_.size(); i-- > 0;) {
+    if (!records_[i].samples.empty()) continue;
+    records_.erase(records_.begin() + static_cast<std::ptrdiff_t>(i));
+    pictures_.erase(pictures_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+// The first with stabilization along its axis.
+bool TrialFleet::is_filmed(std::size_t i) const {
+  return trials_[i].stabilized &&
+         std::none_of(trials_.begin(), trials_.begin() + static_cast<std::ptrdiff_t>(i),
+                      [&](const Trial& before) {
+                        return before.stabilized && before.axis == trials_[i].axis;
+                      });
+}
+
+}  // namespace stillkite

@@ -1,0 +1,79 @@
+#include "evaluation/mean_interval.hpp"
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "evaluation/student_t.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr double kConfidence = 0.95;
+constexpr std::size_t kBatches = 10;
+constexpr std::size_t kShortBatches = 20;  // ten would let one random walk in six pass
+
+double mean_of(std::span<const double> samples) {
+  return std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
+}
+
+double squared_deviations(std::span<const double> samples) {
+  const double mean = mean_of(samples);
+  double sum = 0;
+  for (const double sample : samples) sum += (sample - mean) * (sample - mean);
+  return sum;
+}
+
+std::vector<double> batch_means(std::span<const double> samples, std::size_t batches) {
+  std::vector<double> means;
+  means.reserve(batches);
+  for (std::size_t i = 0; i < batches; ++i) {
+    const std::size_t from = i * samples.size() / batches;
+    const std::size_t to = (i + 1) * samples.size() / batches;
+    means.push_back(mean_of(samples.subspan(from, to - from)));
+  }
+  return means;
+}
+
+MeanInterval interval_about(double mean, std::span<const double> independent) {
+  const auto n = static_cast<int>(independent.size());
+  const double error = std::sqrt(squared_deviations(independent) / (n - 1) / n);
+  const double reach = student_t_reach(kConfidence, n - 1) * error;
+  return {.samples = n, .mean = mean, .low = mean - reach, .high = mean + reach};
+}
+
+/// C = 1 - sum (x_i - x_i+1)^2 / (2 sum (x_i - mean)^2); of n independent normal samples its mean
+/// is 0 and its variance (n - 2) / (n^2 - 1).
+bool neighbours_are_alike(std::span<const double> samples) {
+  constexpr double kOneSidedFivePercent = 1.645;
+  const auto n = static_cast<double>(samples.size());
+  const double spread = squared_deviations(samples);
+  const double rounding = 1e-12 * std::abs(mean_of(samples));
+  if (!(spread > n * rounding * rounding)) return false;
+  double steps = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    steps += (samples[i] - samples[i - 1]) * (samples[i] - samples[i - 1]);
+  }
+  return 1 - steps / (2 * spread) > kOneSidedFivePercent * std::sqrt((n - 2) / (n * n - 1));
+}
+
+}  // namespace
+
+std::optional<MeanInterval> independent_mean_interval(std::span<const double> samples) {
+  if (samples.size() < 2) return std::nullopt;
+  return interval_about(mean_of(samples), samples);
+}
+
+std::optional<MeanInterval> correlated_mean_interval(std::span<const double> samples) {
+  if (samples.size() < kShortBatches) return std::nullopt;
+  MeanInterval result = interval_about(mean_of(samples), batch_means(samples, kBatches));
+  result.samples = static_cast<int>(samples.size());
+  result.is_reliable = !neighbours_are_alike(batch_means(samples, kShortBatches));
+  return result;
+}
+
+bool differs_from_zero(const MeanInterval& interval) {
+  return interval.is_reliable && (interval.low > 0 || interval.high < 0);
+}
+
+}  // namespace stillkite

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "browser_test.hpp"
+#include "synthetic_comparison.hpp"
+
+namespace stillkite {
+namespace {
+
+TEST(ComparisonReport, stays_small_and_loads_nothing) {
+  SyntheticComparison made;
+  compare_synthetic_flights(made, 20000, true);
+  const std::string html = comparison_report_html(made.content("flight", true), made.comparison);
+  EXPECT_LT(html.size(), 1'500'000U);
+  EXPECT_EQ(html.find("<script src"), std::string::npos);
+  EXPECT_EQ(html.find("<img"), std::string::npos);
+}
+
+using ComparisonInBrowser = BrowserTest;
+
+// Position 3, speed, three errors, time; dygraphs lays two canvases over each other.
+TEST_F(ComparisonInBrowser, draws_every_chart_of_two_estimators) {
+  SyntheticComparison made;
+  compare_synthetic_flights(made, 600, true);
+  const std::string dom =
+      show(comparison_report_html(made.content("flight.yaml", true), made.comparison));
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ready"), "8");
+  EXPECT_EQ(count(dom, "<canvas"), 8 * 2 + 1 + 2) << "a path, and verdicts of both";
+  EXPECT_EQ(count(dom, "class=\"badge worse\""), 1) << "one significant difference";
+  EXPECT_NE(dom.find("0.101 … 0.225"), std::string::npos);
+}
+
+TEST_F(ComparisonInBrowser, draws_no_lengths_of_an_estimator_without_scale) {
+  SyntheticComparison made;
+  compare_synthetic_flights(made, 300, false);
+  std::string html = comparison_report_html(made.content("flight.yaml", true), made.comparison);
+  html.insert(html.rfind("</body>"), R"(<script>
+    const lines = id => document.querySelector(`#${id} .plot`).chart.lines.map(line => line.label);
+    document.documentElement.dataset.position = lines('position').join();
+    document.documentElement.dataset.timing = lines('timing').join();
+  </script>)");
+  const std::string dom = show(html);
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "position"), "truth,estimator 0");
+  EXPECT_EQ(root_data(dom, "timing"), "estimator 0,estimator 1");
+  EXPECT_NE(dom.find("reference has no scale"), std::string::npos);
+}
+
+TEST_F(ComparisonInBrowser, does_without_truth_and_without_anything) {
+  SyntheticComparison made;
+  compare_synthetic_flights(made, 300, true);
+  made.comparison["differences"] = nlohmann::json::array();
+  std::string dom =
+      show(comparison_report_html(made.content("flight.yaml", false), made.comparison));
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ready"), "5");
+  dom = show(comparison_report_html({}, nlohmann::json::object()));
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ready"), "0");
+}
+
+TEST_F(ComparisonInBrowser, survives_hostile_text_numbers_that_are_none_and_unequal_lengths) {
+  const std::string hostile = "</script><script>document.title='owned'</script>{{data}}'\"&";
+  SyntheticComparison made;
+  compare_synthetic_flights(made, 300, true);
+  made.first.config_yaml = hostile;
+  made.first.estimates[7].world_from_body.translation.setConstant(
+      std::numeric_limits<double>::quiet_NaN());
+  made.first.truth[9] = std::nullopt;
+  made.runs[1].name = hostile;
+  made.runs[1].estimates = made.runs[1].estimates.first(299);
+  made.comparison["estimators"][1]["name"] = hostile;
+  const std::string dom =
+      show(comparison_report_html(made.content(hostile, true), made.comparison));
+  EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
+  EXPECT_EQ(root_data(dom, "ready"), "8");
+  EXPECT_EQ(dom.find("<title>owned"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace stillkite

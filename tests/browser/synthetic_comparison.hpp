@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "io/comparison_report.hpp"
+#include "synthetic_flight.hpp"
+
+namespace stillkite {
+
+/// Two made-up estimators over the same flight; the second has twice the error and no scale if so
+/// asked.
+struct SyntheticComparison {
+  SyntheticFlight first;
+  SyntheticFlight second;
+  std::vector<float> frame_ms;
+  std::array<ComparedEstimates, 2> runs;
+  nlohmann::json comparison;
+
+  [[nodiscard]] ComparisonReportContent content(const std::string& title, bool with_truth) const {
+    ComparisonReportContent content{.title = title, .runs = runs, .config_yaml = first.config_yaml};
+    if (with_truth) content.truth = first.truth;
+    return content;
+  }
+};
+
+inline void compare_synthetic_flights(SyntheticComparison& made, int frames,
+                                      bool second_has_scale) {
+  made.first = synthetic_flight(frames);
+  made.second = made.first;
+  for (std::size_t i = 0; i < made.second.estimates.size(); ++i) {
+    NavigationEstimate& estimate = made.second.estimates[i];
+    const RigidTransform& truth = *made.second.truth[i];
+    estimate.world_from_body.translation +=
+        estimate.world_from_body.translation - truth.translation;
+    if (!second_has_scale) estimate.scale = ScaleSource::none;
+  }
+  made.frame_ms.assign(made.first.estimates.size(), 2.5F);
+  made.runs = {ComparedEstimates{"flow", made.first.estimates, made.frame_ms},
+               ComparedEstimates{"reference", made.second.estimates, made.frame_ms}};
+  nlohmann::json entry = synthetic_summary(made.first);
+  entry["name"] = "flow";
+  entry["availability_ratio"] = 0.97;
+  entry["mean_error"] = {{"position_m", 0.163}, {"velocity_m_s", nullptr}};
+  nlohmann::json other = entry;
+  other["name"] = "reference";
+  other["mean_error"]["position_m"] = 0.326;
+  made.comparison = {{"estimators", {entry, other}},
+                     {"differences",
+                      {{{"of", "reference"},
+                        {"against", "flow"},
+                        {"figure", "position_m"},
+                        {"frames", frames},
+                        {"mean", 0.163},
+                        {"low", 0.101},
+                        {"high", 0.225},
+                        {"verdict", "worse"}}}},
+                     {"frames_read", frames},
+                     {"timing", {{"wall_s", 9.5}, {"decoding_s", 1.5}, {"threads", 1}}},
+                     {"interrupted", false}};
+}
+
+}  // namespace stillkite

@@ -1,0 +1,84 @@
+#include "evaluation/frame_error.hpp"
+
+#include <gtest/gtest.h>
+
+namespace stillkite {
+namespace {
+
+constexpr int kSteps = 40;
+constexpr auto kPosition = static_cast<std::size_t>(FrameFigure::position);
+constexpr auto kVelocity = static_cast<std::size_t>(FrameFigure::velocity);
+constexpr auto kAttitude = static_cast<std::size_t>(FrameFigure::attitude);
+constexpr auto kAngularRate = static_cast<std::size_t>(FrameFigure::angular_rate);
+
+// 2 m/s along x, turning about z by 0.5 rad/s.
+Truth turning_flight() {
+  Truth truth;
+  for (int i = 0; i < kSteps; ++i) {
+    const double t_s = 0.1 * i;
+    truth.poses.push_back({.stamp = from_seconds(t_s),
+                           .world_from_body = {.rotation = so3_exp({0, 0, 0.5 * t_s}),
+                                               .translation = {2 * t_s, 0, 10}}});
+  }
+  return truth;
+}
+
+// The truth moved aside by `offset_m` and rolled by 0.01 rad in the world.
+std::vector<JudgedMotion> offset_estimate(const Truth& truth, double offset_m) {
+  std::vector<JudgedMotion> estimates = judged_motions(truth.poses);
+  for (JudgedMotion& estimate : estimates) {
+    RigidTransform& pose = estimate.world_from_body;
+    pose.translation.y() += offset_m;
+    pose.rotation = so3_exp({0.01, 0, 0}) * pose.rotation;
+    estimate.twist_in_camera = Twist{.angular_rate_rad_s = {0, 0, 0.8}};
+  }
+  return estimates;
+}
+
+TEST(FrameErrors, are_those_that_were_put_in) {
+  const Truth truth = turning_flight();
+  const std::vector<FrameError> errors = frame_errors(offset_estimate(truth, 0.3), truth);
+  ASSERT_EQ(errors.size(), std::size_t{kSteps});
+  EXPECT_FALSE(errors[0][kVelocity]) << "no motion leads to the first frame";
+  EXPECT_NEAR(errors[7][kPosition].value(), 0.3, 1e-12);
+  EXPECT_NEAR(errors[7][kAttitude].value(), 0.01, 1e-12);
+  EXPECT_NEAR(errors[7][kVelocity].value(), 2, 1e-9) << "it says that it stands still";
+  EXPECT_NEAR(errors[7][kAngularRate].value(), 0.3, 1e-9);
+  EXPECT_NEAR(mean_error(errors, FrameFigure::position).value(), 0.3, 1e-12);
+}
+
+TEST(FrameErrors, of_an_estimate_without_scale_are_no_lengths) {
+  const Truth truth = turning_flight();
+  const std::vector<FrameError> errors =
+      frame_errors(offset_estimate(truth, 0.3), truth, {.is_metric = false});
+  EXPECT_FALSE(errors[7][kPosition]);
+  EXPECT_FALSE(errors[7][kVelocity]);
+  EXPECT_TRUE(errors[7][kAttitude]);
+  EXPECT_TRUE(errors[7][kAngularRate]);
+  EXPECT_FALSE(mean_error(errors, FrameFigure::velocity));
+}
+
+TEST(PairedDifference, is_that_of_two_constant_errors) {
+  const Truth truth = turning_flight();
+  const std::vector<FrameError> worse = frame_errors(offset_estimate(truth, -0.3), truth);
+  std::vector<FrameError> better = frame_errors(offset_estimate(truth, 0.1), truth);
+  better[3][kPosition].reset();
+  const auto difference = paired_difference(worse, better, FrameFigure::position);
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->samples, kSteps - 1);
+  EXPECT_NEAR(difference->mean, 0.2, 1e-12);
+  EXPECT_TRUE(differs_from_zero(*difference));
+  EXPECT_FALSE(differs_from_zero(*paired_difference(worse, better, FrameFigure::angular_rate)));
+}
+
+// One run ended a frame earlier.
+TEST(PairedDifference, takes_the_frames_that_both_have) {
+  const Truth truth = turning_flight();
+  const std::vector<FrameError> errors = frame_errors(offset_estimate(truth, 0.3), truth);
+  const std::span<const FrameError> shorter(errors.data(), errors.size() - 1);
+  EXPECT_EQ(paired_difference(errors, shorter, FrameFigure::attitude)->samples, kSteps - 1);
+  EXPECT_FALSE(paired_difference(errors, shorter.first(19), FrameFigure::attitude));
+}
+
+}  // namespace
+}  // namespace stillkite
