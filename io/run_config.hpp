@@ -41,7 +41,7 @@ struct RunConfig {
   OutputConfig output;
 
   [[nodiscard]] bool has_shadow() const {
-    return shadow.enabled.value_or(estimator.policy == Policy::reference);
+    return shadow.enabled.value_or(estimator.policy != Policy::flow);
   }
 
   static void fields(auto& self, auto&& field) {
@@ -58,6 +58,7 @@ struct RunConfig {
     field("estimator", self.estimator, "how the motion is found");
     field("navigator", self.navigator, "the flow navigator");
     field("reference", self.navigator.reference, "the reference estimator");
+    field("fusion", self.navigator.fusion, "both estimators in one filter");
     field("shadow", self.shadow, "the controller beside the recording");
     field("hold", self.hold, "the controller");
     field("output", self.output, "files beside the estimates");

@@ -34,8 +34,8 @@ struct ShadowConfig {
 
   static void fields(auto& self, auto&& field) {
     field("enabled", self.enabled,
-          "the controller says in commands.csv what it would command; null: where the policy is "
-          "reference");
+          "the controller says in commands.csv what it would command; null: unless the policy is "
+          "flow");
     field("tether", self.tether, "the tether that the drone is taken to hang on");
   }
 };

@@ -77,7 +77,7 @@ struct HoverConfig {
     field("estimator", self.estimator, "how the motion is found");
     field("navigator", self.navigator, "the flow navigator");
     field("reference", self.navigator.reference, "the reference estimator");
-    field("fusion", self.navigator.fusion, "both estimators fused");
+    field("fusion", self.navigator.fusion, "both estimators in one filter");
     field("hold", self.hold, "the controller");
   }
 };

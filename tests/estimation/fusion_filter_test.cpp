@@ -106,7 +106,7 @@ FusionConfig few_landmarks() {
 TEST(FusionFilter, FindsTheScaleByTheGround) {
   FusionScene scene;
   scene.has_imu = false;
-  FusionConfig config = few_landmarks();
+  FusionConfig config;
   config.inverse_depth_sigma_ratio = 0.01;  // nearly all of them on the ground as it is guessed
   FusionSimulation flight(scene, config, 7);
   for (int i = 0; i < 90; ++i) {
