@@ -14,7 +14,7 @@ struct FusionConfig {
   double inverse_depth_sigma_ratio = 0.5;
   double scale_sigma_ratio = 0.5;
   double height_sigma_ratio = 0.02;
-  double ground_sigma_m = 0.02;
+  double ground_sigma_ratio = 0.01;
   double flow_velocity_sigma_ratio = 0.02;
   double flow_correlated_frames = 10;
   double acceleration_density = 1.0;
@@ -43,8 +43,9 @@ struct FusionConfig {
           "of the metres that the first landmarks were guessed in");
     field("height_sigma_ratio", self.height_sigma_ratio, kPositive,
           "of the height at the start, which is the flow's scale");
-    field("ground_sigma_m", self.ground_sigma_m, kPositive,
-          "how far a landmark that is taken for one of the ground may be over or under it");
+    field("ground_sigma_ratio", self.ground_sigma_ratio, kPositive,
+          "how far a landmark that is taken for one of the ground may be over or under it, as a "
+          "share of the height");
     field("flow_velocity_sigma_ratio", self.flow_velocity_sigma_ratio, kNotNegative,
           "error of the flow's speed as a share of it, beside its covariance: ground that is not "
           "flat");

@@ -11,6 +11,7 @@ namespace {
 using Index = FusionIndex;
 constexpr double kGravity_m_s2 = 9.80665;
 constexpr int kMostRefusals = 5;
+constexpr double kAnySpeed_m_s = 100;
 
 // Accelerometers feel its opposite. The world's vertical is off by the tilt: exp(tilt) z.
 Eigen::Vector3d gravity_m_s2(const Eigen::Vector2d& tilt_rad) {
@@ -38,6 +39,19 @@ std::optional<double> lowest_level(std::vector<double> heights) {
     if (highest > (1 - kSameLevel) * heights[last]) return heights[last - kSeveral / 2];
   }
   return std::nullopt;
+}
+
+// Of position and velocity (Bar-Shalom et al. 2001, eq. 6.2.2-12), the density squared.
+Eigen::Matrix<double, 9, 9> white_acceleration(double squared_density, double dt_s) {
+  Eigen::Matrix<double, 9, 9> Q = Eigen::Matrix<double, 9, 9>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const int p = Index::kPosition + i;
+    const int v = Index::kVelocity + i;
+    Q(p, p) = squared_density * dt_s * dt_s * dt_s / 3;
+    Q(p, v) = Q(v, p) = squared_density * dt_s * dt_s / 2;
+    Q(v, v) = squared_density * dt_s;
+  }
+  return Q;
 }
 
 struct Carried {
@@ -104,45 +118,61 @@ void FusionFilter::predict(const InertialStep& step) {
   const Carried by = carried(state_, step);
   const double shrink = std::exp(-state_.log_scale);
 
-  // d(rotation, position, velocity) by the errors that move them
-  Eigen::Matrix<double, 9, Index::kAnchorRotation> F;
-  F.setZero();
-  F.leftCols<9>().setIdentity();
+  Transition F = Transition::Identity();
   F.block<3, 3>(Index::kPosition, Index::kVelocity).diagonal().setConstant(dt_s);
   if (has_gyro) F.block<3, 3>(Index::kRotation, Index::kGyroBias) = -dt_s * R;
   if (has_accel) {
     const double in_map_s = shrink * dt_s;
-    F.block<3, 3>(Index::kVelocity, Index::kRotation) = -in_map_s * skew(by.force_in_world_m_s2);
-    F.block<3, 3>(Index::kVelocity, Index::kAccelBias) = -in_map_s * R;
-    F.block<3, 2>(Index::kVelocity, Index::kTilt) = in_map_s * gravity_by_tilt();
-    F.block<3, 1>(Index::kVelocity, Index::kScale) =
+    Eigen::Matrix<double, 3, Index::kAnchorRotation> by_force;
+    by_force.setZero();
+    by_force.middleCols<3>(Index::kRotation) = -in_map_s * skew(by.force_in_world_m_s2);
+    by_force.middleCols<3>(Index::kAccelBias) = -in_map_s * R;
+    by_force.middleCols<2>(Index::kTilt) = in_map_s * gravity_by_tilt();
+    by_force.col(Index::kScale) =
         -in_map_s * (by.force_in_world_m_s2 + gravity_m_s2(state_.gravity_tilt_rad));
-    F.middleRows<3>(Index::kPosition) += 0.5 * dt_s * F.middleRows<3>(Index::kVelocity);
-    F.block<3, 3>(Index::kPosition, Index::kVelocity).diagonal().setConstant(dt_s);
+    F.middleRows<3>(Index::kVelocity) += by_force;
+    F.middleRows<3>(Index::kPosition) += 0.5 * dt_s * by_force;
   }
+  const double rate_density = has_gyro ? config_.gyro_density : config_.rate_density;
+  const double accel_density = has_accel ? config_.accel_density : config_.acceleration_density;
+  Matrix9d noise = white_acceleration(square(shrink * accel_density), dt_s);
+  noise.diagonal().segment<3>(Index::kRotation).setConstant(square(rate_density) * dt_s);
+  propagate(F, noise, dt_s);
+  state_ = moved(state_, step);
+}
+
+// With s = exp(-(log_scale + log_height)): p' = p + s R t, R' = R dR
+void FusionFilter::predict_by_odometry(const RigidTransform& before_from_now_m, double dt_s,
+                                       const Matrix6d& growth) {
+  const double shrink = std::exp(-(state_.log_scale + state_.log_height));
+  RigidTransform& camera = state_.world_from_camera;
+  const Eigen::Vector3d way = shrink * (camera.rotation * before_from_now_m.translation);
+  Transition F = Transition::Identity();
+  F.block<3, 3>(Index::kPosition, Index::kRotation) = -skew(way);
+  F.col(Index::kScale).segment<3>(Index::kPosition) = -way;
+  F.col(Index::kHeight).segment<3>(Index::kPosition) = -way;
+  Matrix9d noise = Matrix9d::Zero();
+  noise.block<3, 3>(Index::kRotation, Index::kRotation) = growth.bottomRightCorner<3, 3>();
+  noise.block<3, 3>(Index::kPosition, Index::kPosition) =
+      square(shrink) * growth.topLeftCorner<3, 3>();
+  noise.block<3, 3>(Index::kPosition, Index::kRotation) = shrink * growth.topRightCorner<3, 3>();
+  noise.block<3, 3>(Index::kRotation, Index::kPosition) = shrink * growth.bottomLeftCorner<3, 3>();
+  // the velocity carries nothing on here: the flow's own, which is filtered, takes its place
+  F.middleRows<3>(Index::kVelocity).setZero();
+  noise.diagonal().segment<3>(Index::kVelocity).setConstant(square(shrink * kAnySpeed_m_s));
+  propagate(F, noise, dt_s);
+  camera.translation += way;
+  camera.rotation = (camera.rotation * before_from_now_m.rotation).normalized();
+}
+
+void FusionFilter::propagate(const Transition& F, const Matrix9d& noise, double dt_s) {
   const int n = size();
   const Eigen::MatrixXd rows = F * P_.topLeftCorner(Index::kAnchorRotation, n);
   P_.topLeftCorner(9, n) = rows;
   P_.topLeftCorner(n, 9) = rows.transpose();
-  P_.topLeftCorner<9, 9>() = rows.leftCols<Index::kAnchorRotation>() * F.transpose();
-
-  const double rate_density = has_gyro ? config_.gyro_density : config_.rate_density;
-  const double accel_density =
-      shrink * (has_accel ? config_.accel_density : config_.acceleration_density);
-  const double q = square(accel_density) * dt_s;
-  const auto grow = [this](int first, double variance) {
-    P_.diagonal().segment<3>(first).array() += variance;
-  };
-  grow(Index::kRotation, square(rate_density) * dt_s);
-  grow(Index::kVelocity, q);
-  grow(Index::kPosition, q * square(dt_s) / 3);
-  for (int i = 0; i < 3; ++i) {
-    P_(Index::kPosition + i, Index::kVelocity + i) += 0.5 * q * dt_s;
-    P_(Index::kVelocity + i, Index::kPosition + i) += 0.5 * q * dt_s;
-  }
-  grow(Index::kGyroBias, square(config_.gyro_bias_walk) * dt_s);
-  grow(Index::kAccelBias, square(config_.accel_bias_walk) * dt_s);
-  state_ = moved(state_, step);
+  P_.topLeftCorner<9, 9>() = rows.leftCols<Index::kAnchorRotation>() * F.transpose() + noise;
+  P_.diagonal().segment<3>(Index::kGyroBias).array() += square(config_.gyro_bias_walk) * dt_s;
+  P_.diagonal().segment<3>(Index::kAccelBias).array() += square(config_.accel_bias_walk) * dt_s;
 }
 
 FusionState FusionFilter::predicted(const std::vector<InertialStep>& steps) const {
@@ -196,9 +226,9 @@ bool FusionFilter::update_flow_velocity(const Eigen::Vector3d& velocity_m_s,
   const Eigen::Vector3d h = scale * (R_t * state_.velocity_in_world);
   Innovation<3> innovation{.residual = velocity_m_s - h,
                            .H = {},
-                           .noise = config_.flow_correlated_frames * covariance +
-                                    square(config_.flow_velocity_sigma_ratio) *
-                                        velocity_m_s.squaredNorm() * Eigen::Matrix3d::Identity()};
+                           .noise = covariance + square(config_.flow_velocity_sigma_ratio) *
+                                                     velocity_m_s.squaredNorm() *
+                                                     Eigen::Matrix3d::Identity()};
   innovation.H.add(Index::kRotation, scale * R_t * skew(state_.velocity_in_world));
   innovation.H.add(Index::kVelocity, scale * R_t);
   innovation.H.add(Index::kScale, h * Eigen::RowVector2d::Ones());
@@ -241,24 +271,24 @@ double FusionFilter::guessed_inverse_depth(const Eigen::Vector2d& bearing) const
   return std::max(down, kSteepness) / std::max(anchor.translation.z(), 1e-3);
 }
 
-void FusionFilter::add_landmark(int feature, const Eigen::Vector2d& bearing, double focal_px) {
+void FusionFilter::add_landmark(int feature, const Eigen::Vector2d& bearing, double sigma) {
   if (static_cast<int>(landmarks_.size()) >= config_.landmarks) return;
   const int column = size();
   const double inverse_depth = guessed_inverse_depth(bearing);
   landmarks_.push_back({.feature = feature, .bearing = bearing, .inverse_depth = inverse_depth});
   P_.block(column, 0, 3, column + 3).setZero();
   P_.block(0, column, column, 3).setZero();
-  P_(column, column) = P_(column + 1, column + 1) = square(config_.pixel_sigma_px / focal_px);
+  P_(column, column) = P_(column + 1, column + 1) = square(sigma);
   P_(column + 2, column + 2) = square(config_.inverse_depth_sigma_ratio * inverse_depth);
 }
 
-bool FusionFilter::update_landmark(int feature, const Eigen::Vector2d& seen, double focal_px) {
+bool FusionFilter::update_landmark(int feature, const Eigen::Vector2d& seen, double sigma) {
   const auto found = std::find_if(landmarks_.begin(), landmarks_.end(),
                                   [&](const Landmark& l) { return l.feature == feature; });
   if (found == landmarks_.end()) return false;
   const int column = Index::kLandmarks + 3 * static_cast<int>(found - landmarks_.begin());
   const std::optional<Innovation<2>> innovation =
-      landmark_innovation(state_, *found, column, seen, config_.pixel_sigma_px / focal_px);
+      landmark_innovation(state_, *found, column, seen, sigma);
   const bool taken = innovation && correct(*innovation);
   found->refused = taken ? 0 : found->refused + 1;
   return taken;
@@ -307,8 +337,9 @@ Innovation<1> FusionFilter::ground_innovation(const Landmark& landmark, int colu
   const double known = start_in_world_.z() * std::exp(-state_.log_height);
   const double way = scale * (state_.world_from_anchor.translation.z() - start_in_world_.z());
   const double below = scale * height_below_anchor(landmark);
-  Innovation<1> innovation{
-      .residual = Row(known + way - below), .H = {}, .noise = Row(square(config_.ground_sigma_m))};
+  Innovation<1> innovation{.residual = Row(known + way - below),
+                           .H = {},
+                           .noise = Row(square(config_.ground_sigma_ratio * known))};
   const Eigen::Matrix3d R = state_.world_from_anchor.rotation.toRotationMatrix();
   const double per_down = scale / landmark.inverse_depth;
   const Eigen::RowVector3d by_rotation = per_down * skew(R * landmark.bearing.homogeneous()).row(2);

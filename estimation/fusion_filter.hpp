@@ -30,6 +30,10 @@ class FusionFilter {
                double velocity_sigma_m_s);
 
   void predict(const InertialStep& step);
+  /// By the flow's way from the frame before, by its own idea of the height, with what that way
+  /// adds to the covariance of (translation, rotation vector), world axes.
+  void predict_by_odometry(const RigidTransform& before_from_now_m, double dt_s,
+                           const Matrix6d& growth);
   /// Pose and velocity after further steps; the filter stays where it is.
   [[nodiscard]] FusionState predicted(const std::vector<InertialStep>& steps) const;
 
@@ -40,10 +44,10 @@ class FusionFilter {
 
   /// Drops the landmarks: the camera, here, is the anchor of those to come.
   void take_anchor();
-  /// A feature of the reference frame, seen from the anchor at `bearing` (z = 1).
-  void add_landmark(int feature, const Eigen::Vector2d& bearing, double focal_px);
+  /// A feature of the reference frame, seen from the anchor at `bearing`; both on z = 1.
+  void add_landmark(int feature, const Eigen::Vector2d& bearing, double sigma);
   /// False: not such a landmark, behind the camera, or refused.
-  bool update_landmark(int feature, const Eigen::Vector2d& seen, double focal_px);
+  bool update_landmark(int feature, const Eigen::Vector2d& seen, double sigma);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. Gives
   /// how many are new.
   int update_ground();
@@ -62,6 +66,10 @@ class FusionFilter {
   [[nodiscard]] double scale_sigma() const;
 
  private:
+  // d(rotation, position, velocity) by the errors before, and what noise adds to them
+  using Transition = Eigen::Matrix<double, 9, FusionIndex::kAnchorRotation>;
+  using Matrix9d = Eigen::Matrix<double, 9, 9>;
+  void propagate(const Transition& F, const Matrix9d& noise, double dt_s);
   template <int kRows>
   bool correct(const Innovation<kRows>& innovation);
   void inject(const Eigen::VectorXd& error);

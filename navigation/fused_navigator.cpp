@@ -1,6 +1,8 @@
 #include "navigation/fused_navigator.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "navigation/assumptions.hpp"
 #include "navigation/stop_watch.hpp"
@@ -32,6 +34,19 @@ std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& rea
   return steps;
 }
 
+// Neither the flow nor enough landmarks were to be believed, whatever the reference alone says.
+Verdict unmeasured(Verdict reference) {
+  const bool is_good = reference == Verdict::ok || reference == Verdict::first_frame;
+  return is_good ? Verdict::too_few_inliers : reference;
+}
+
+// now - before, where it is positive.
+Matrix6d growth_of(const Matrix6d& before, const Matrix6d& now) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(now - before);
+  const Matrix6d& V = solver.eigenvectors();
+  return V * solver.eigenvalues().cwiseMax(0).asDiagonal() * V.transpose();
+}
+
 }  // namespace
 
 FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -40,6 +55,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
     : camera_(camera),
       body_from_camera_(body_from_camera),
       config_(config.fusion),
+      readout_s_(config.readout_s),
       scale_(initial.scale),
       flow_(camera, body_from_camera, config, initial),
       reference_(camera, body_from_camera, config, initial, mode),
@@ -54,7 +70,9 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
   if (interval.spoiled == Verdict::first_frame) last_ = frame.stamp;
-  predict(interval, readings, frame.stamp, reference.reference->motion.twist_in_camera);
+  predict(readings, frame.stamp, flow, reference.reference->motion.twist_in_camera);
+  last_flow_.reset();
+  if (flow.verdict == Verdict::ok) last_flow_ = flow;
   if (readings.attitude) {
     const Eigen::Quaterniond world_from_camera = *readings.attitude * body_from_camera_.rotation;
     filter_.update_up(world_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
@@ -65,11 +83,9 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const bool landmarks_taken = !interval.spoiled && see_landmarks();
   // 4. A new reference: the camera, wherever it is, is what the landmarks are seen from.
   if (reference.reference->new_reference) filter_.take_anchor();
-  const bool is_measured = flow_taken || landmarks_taken;
-  const Verdict verdict = interval.spoiled                   ? *interval.spoiled
-                          : is_measured                      ? Verdict::ok
-                          : reference.verdict == Verdict::ok ? Verdict::too_few_inliers
-                                                             : reference.verdict;
+  const Verdict verdict = interval.spoiled                ? *interval.spoiled
+                          : flow_taken || landmarks_taken ? Verdict::ok
+                                                          : unmeasured(reference.verdict);
   NavigationEstimate out = answer(frame, verdict);
   for (std::size_t i = 0; i < out.stage_ms.size(); ++i) {
     out.stage_ms[i] = flow.stage_ms[i] + reference.stage_ms[i];
@@ -81,19 +97,21 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   return out;
 }
 
-void FusedNavigator::predict(const FrameInterval& interval, const SensorReadings& readings,
-                             Timestamp now, const std::optional<Twist>& picture_rate) {
+void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
+                             const NavigationEstimate& flow,
+                             const std::optional<Twist>& picture_rate) {
   if (now <= last_) return;
-  const std::vector<InertialStep> steps =
-      inertial_steps(readings.inertial, last_, now, body_from_camera_.rotation);
   const Eigen::Quaterniond before = filter_.state().world_from_camera.rotation;
   double left_s = seconds_between(last_, now);
-  for (const InertialStep& step : steps) {
+  const double dt_s = left_s;
+  for (const InertialStep& step :
+       inertial_steps(readings.inertial, last_, now, body_from_camera_.rotation)) {
     filter_.predict(step);
     left_s -= step.dt_s;
   }
   // what no IMU covers
-  if (left_s > 1e-6) {
+  follows_flow_ = left_s == dt_s && follow_flow(flow, dt_s);
+  if (left_s > 1e-6 && !follows_flow_) {
     InertialStep step{
         .dt_s = left_s, .angular_rate_rad_s = {}, .is_gyro = false, .specific_force_m_s2 = {}};
     if (readings.mean_angular_rate_in_body_rad_s) {
@@ -105,9 +123,22 @@ void FusedNavigator::predict(const FrameInterval& interval, const SensorReadings
     }
     filter_.predict(step);
   }
-  rate_in_camera_rad_s_ = so3_log(before.conjugate() * filter_.state().world_from_camera.rotation) /
-                          std::max(interval.dt_s, 1e-3);
+  rate_in_camera_rad_s_ =
+      follows_flow_
+          ? flow.twist_in_camera.angular_rate_rad_s
+          : so3_log(before.conjugate() * filter_.state().world_from_camera.rotation) / dt_s;
   last_ = now;
+}
+
+// The way since the last frame, of two answers whose common errors cancel; what the second is less
+// certain of is what the way has added.
+bool FusedNavigator::follow_flow(const NavigationEstimate& flow, double dt_s) {
+  if (!is_ground_flat_ || flow.verdict != Verdict::ok || !last_flow_) return false;
+  const RigidTransform before = last_flow_->world_from_body * body_from_camera_;
+  const RigidTransform now = flow.world_from_body * body_from_camera_;
+  filter_.predict_by_odometry(before.inverse() * now, dt_s,
+                              growth_of(last_flow_->pose_covariance, flow.pose_covariance));
+  return true;
 }
 
 // The flow takes what it sees for flat ground: where the features show depth its metres are wrong
@@ -119,23 +150,34 @@ void FusedNavigator::judge_ground(const ReferenceReport& reference) {
 
 bool FusedNavigator::see_flow(const NavigationEstimate& flow) {
   if (flow.verdict != Verdict::ok) return false;
+  // alike over some frames: an error that would add up to a way counts as often; by odometry none
+  // do
+  const double alike = follows_flow_ ? 1 : config_.flow_correlated_frames;
   return filter_.update_flow_velocity(flow.twist_in_camera.velocity_m_s,
-                                      flow.twist_covariance.topLeftCorner<3, 3>());
+                                      alike * flow.twist_covariance.topLeftCorner<3, 3>());
 }
 
 bool FusedNavigator::see_landmarks() {
   choose_landmarks();
   const FeatureBearings& bearings = reference_.bearings();
   const std::vector<unsigned char>& inliers = reference_.inliers();
+  const double sigma = feature_sigma();
   int taken = 0;
   for (std::size_t i = 0; i < std::min(bearings.pairs.size(), inliers.size()); ++i) {
     if (inliers[i] == 0) continue;
     const int feature = static_cast<int>(bearings.feature_of_pair[i]);
-    if (filter_.update_landmark(feature, bearings.pairs[i].current, camera_.focal_x_px)) ++taken;
+    if (filter_.update_landmark(feature, bearings.pairs[i].current, sigma)) ++taken;
   }
   filter_.drop_refused();
   filter_.update_ground();
   return taken >= config_.min_landmarks;
+}
+
+// On z = 1. Rows that are read one after the other see a feature where it was at another time.
+double FusedNavigator::feature_sigma() const {
+  constexpr double kOfUniform = 0.2887;  // 1 / sqrt(12)
+  return std::hypot(config_.pixel_sigma_px / camera_.focal_x_px,
+                    kOfUniform * readout_s_ * rate_in_camera_rad_s_.norm());
 }
 
 // Spread over the picture: each next one as far from those at hand as can be.
@@ -161,8 +203,7 @@ void FusedNavigator::choose_landmarks() {
     if (!(*farthest > kApart * kApart)) return;
     const auto i = static_cast<std::size_t>(farthest - distance.begin());
     const Eigen::Vector2d bearing = bearings.pairs[i].reference;
-    filter_.add_landmark(static_cast<int>(bearings.feature_of_pair[i]), bearing,
-                         camera_.focal_x_px);
+    filter_.add_landmark(static_cast<int>(bearings.feature_of_pair[i]), bearing, feature_sigma());
     keep_away(bearing);
   }
 }

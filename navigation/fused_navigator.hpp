@@ -25,23 +25,28 @@ class FusedNavigator {
   [[nodiscard]] const std::vector<WindowFlow>& windows() const { return reference_.windows(); }
 
  private:
-  void predict(const FrameInterval& interval, const SensorReadings& readings, Timestamp now,
+  void predict(const SensorReadings& readings, Timestamp now, const NavigationEstimate& flow,
                const std::optional<Twist>& picture_rate);
+  [[nodiscard]] bool follow_flow(const NavigationEstimate& flow, double dt_s);
   void judge_ground(const ReferenceReport& reference);
   [[nodiscard]] bool see_flow(const NavigationEstimate& flow);
   [[nodiscard]] bool see_landmarks();
   void choose_landmarks();
+  [[nodiscard]] double feature_sigma() const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 
   Camera camera_;
   RigidTransform body_from_camera_;
   FusionConfig config_;
+  double readout_s_;
   ScaleSource scale_;
   KeyframeNavigator flow_;
   ReferenceNavigator reference_;
   FusionFilter filter_;
   Timestamp last_;
+  std::optional<NavigationEstimate> last_flow_;  // where it was ok
   bool is_ground_flat_ = false;
+  bool follows_flow_ = false;  // since the last frame, for want of an IMU
   Eigen::Vector3d rate_in_camera_rad_s_ = Eigen::Vector3d::Zero();
 };
 

@@ -82,7 +82,7 @@ TEST(FusionFilter, RefusesALandmarkThatJumps) {
   FusionSimulation flight(FusionScene{}, FusionConfig{}, 5);
   for (int i = 0; i < 30; ++i) flight.step();
   const RigidTransform before = flight.filter().world_from_camera_m();
-  EXPECT_FALSE(flight.filter().update_landmark(0, {0.9, 0.9}, 480));
+  EXPECT_FALSE(flight.filter().update_landmark(0, {0.9, 0.9}, 1e-3));
   EXPECT_EQ(flight.filter().world_from_camera_m().translation, before.translation);
 }
 

@@ -39,7 +39,7 @@ FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig&
     const Eigen::Vector2d bearing(0.8 * uniform(engine_), 0.5 * uniform(engine_));
     // the filter's guess of a place, which the truth is off from by as much as the filter is told
     const double noise = config.pixel_sigma_px / scene.focal_px;
-    filter_.add_landmark(i, bearing + noise * Eigen::Vector2d(normal(), normal()), scene.focal_px);
+    filter_.add_landmark(i, bearing + noise * Eigen::Vector2d(normal(), normal()), noise);
     const double guess = filter_.landmarks().back().inverse_depth;
     const double inverse_depth = std::max(0.1, 1 + config.inverse_depth_sigma_ratio * normal()) *
                                  guess * std::exp(-scene.scale_error_log);
@@ -91,12 +91,11 @@ void FusionSimulation::step() {
   const FusionTruth now = truth();
   const RigidTransform camera_from_world = now.world_from_camera.inverse();
   if (scene_.has_flow) {
-    const double sigma = 0.02;
+    const double sigma = 0.06;
     const Eigen::Vector3d velocity =
         std::exp(height_error_log_) * (camera_from_world.rotation * now.velocity_in_world_m_s);
-    filter_.update_flow_velocity(
-        velocity + sigma * std::sqrt(config_.flow_correlated_frames) * normal3(),
-        sigma * sigma * Eigen::Matrix3d::Identity());
+    filter_.update_flow_velocity(velocity + sigma * normal3(),
+                                 sigma * sigma * Eigen::Matrix3d::Identity());
   }
   if (!scene_.has_landmarks) return;
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -104,7 +103,7 @@ void FusionSimulation::step() {
     const double sigma = scene_.pixel_sigma_px / scene_.focal_px;
     filter_.update_landmark(static_cast<int>(i),
                             x.head<2>() / x.z() + sigma * Eigen::Vector2d(normal(), normal()),
-                            scene_.focal_px);
+                            config_.pixel_sigma_px / scene_.focal_px);
   }
 }
 

@@ -50,7 +50,7 @@ TEST(HoldConfig, EveryDefaultIsWithinItsRange) {
   int numbers = 0;
   const HoldConfig config;
   HoldConfig::fields(config, CheckDefaults{"", numbers});
-  EXPECT_EQ(numbers, 3 + 8 + (3 + 4 * 7) + (2 * 7 + 6));
+  EXPECT_EQ(numbers, 3 + 8 + (3 + 4 * 7) + (2 * 7 + 7));
 }
 
 // docs/hold_controller.md: the double pole at -1.5 /s for a lag of 0.5 s and a latency of 0.13 s.
@@ -60,6 +60,13 @@ TEST(HoldConfig, PositionGainsPlaceTheirPoles) {
   EXPECT_NEAR(config.position.integral, kPole_1_s * kPole_1_s, 1e-12);
   EXPECT_NEAR(config.position.proportional,
               2 * kPole_1_s + (config.lag_s + 0.13) * kPole_1_s * kPole_1_s, 0.02);
+}
+
+// The largest pole in tenths with pole x latency <= 0.4.
+TEST(HoldConfig, StateFeedbackPoleFollowsItsRule) {
+  const double pole_1_s = RecommendedHoldConfig{}.state_feedback_pole_1_s;
+  EXPECT_LE(pole_1_s * 0.13, 0.4);
+  EXPECT_GT((pole_1_s + 0.1) * 0.13, 0.4);
 }
 
 // The speed of the relay lies between the station's and what comes to rest in the dead zone.

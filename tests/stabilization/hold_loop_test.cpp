@@ -25,7 +25,8 @@ constexpr double kFocal_px = 420;  // 800 px wide, 87 degrees
 struct Loop {
   HoldConfig config;
   DisplacementKind kind = DisplacementKind::metric;
-  double scale = 1;    // of the estimated displacement
+  double scale = 1;  // of the estimated displacement, and of the velocity
+  bool knows_velocity = false;
   double lag_s = 0.5;  // of the plant
   double period_s = 1.0 / 30;
   double latency_s = 0.13;
@@ -69,8 +70,8 @@ struct LaggedAxis {
   }
 };
 
-MotionEstimate estimate_of(const Loop& loop, const Vector3d& displacement, double yaw_rad,
-                           Timestamp stamp) {
+MotionEstimate estimate_of(const Loop& loop, const Vector3d& displacement,
+                           const Vector3d& velocity_m_s, double yaw_rad, Timestamp stamp) {
   const RigidTransform camera{so3_exp({0, 0, yaw_rad}) * forward_camera(), displacement};
   MotionEstimate estimate = exact_estimate({forward_camera(), Vector3d::Zero()}, camera);
   estimate.stamp = stamp;
@@ -80,6 +81,10 @@ MotionEstimate estimate_of(const Loop& loop, const Vector3d& displacement, doubl
   const bool direction = loop.kind == DisplacementKind::direction;
   if (direction) estimate.displacement_in_reference.normalize();
   if (!direction) estimate.displacement_in_reference *= loop.scale;
+  if (loop.knows_velocity) {
+    estimate.twist_in_camera =
+        Twist{.velocity_m_s = loop.scale * (camera.rotation.conjugate() * velocity_m_s)};
+  }
   return estimate;
 }
 
@@ -89,6 +94,7 @@ Outcome fly(const Loop& loop) {
       azimuth{loop.start.azimuth_rad}, yaw{loop.yaw_rad};
   const Vector3d home = position_in_station(loop.start);
   Vector3d station = Vector3d::Zero();
+  Vector3d before = Vector3d::Zero();
   TetherCommand command;
   std::deque<HoldInput> in_flight;
   std::mt19937 random(1);
@@ -105,7 +111,8 @@ Outcome fly(const Loop& loop) {
       const Vector3d noise =
           loop.noise_m * Vector3d(normal(random), normal(random), normal(random));
       in_flight.push_back(
-          {.estimate = estimate_of(loop, displacement + noise, yaw.value, from_seconds(t_s)),
+          {.estimate = estimate_of(loop, displacement + noise, (displacement - before) / kStep_s,
+                                   yaw.value, from_seconds(t_s)),
            .station_from_camera =
                so3_exp({0, 0, yaw.value + loop.heading_error_rad}) * forward_camera()});
     }
@@ -117,6 +124,7 @@ Outcome fly(const Loop& loop) {
       input.tether = TetherReading{input.now, tether};
       command = controller.decide(input).command;
     }
+    before = displacement;
     length.follow(command.length_rate_m_s, loop.lag_s);
     elevation.follow(command.elevation_rate_rad_s, loop.lag_s);
     azimuth.follow(command.azimuth_rate_rad_s, loop.lag_s);
@@ -164,6 +172,41 @@ TEST(HoldLoop, RecommendedHoldsAgainstAMovingStation) {
   const Outcome gentle = fly(loop);
   print("recommended, turns of 0.2 m/s^2", gentle);
   EXPECT_LT(gentle.max_m, 0.25);
+}
+
+// s' / pole^2 while the station turns, nothing while it goes evenly; docs/hold_controller.md.
+TEST(HoldLoop, KnownVelocityHoldsAsItsPolesSay) {
+  Loop loop = recommended();
+  loop.knows_velocity = true;
+  loop.station_speed_m_s = gently_out_and_back_m_s;
+  const double pole_1_s = loop.config.recommended.state_feedback_pole_1_s;
+  const Outcome ahead = fly(loop);
+  print("velocity known, turns of 0.2 m/s^2", ahead);
+  // a turn is seen 0.13 s late, and half a frame
+  EXPECT_LT(ahead.max_m, 0.2 / (pole_1_s * pole_1_s) * (1 + 2 * pole_1_s * 0.15));
+  EXPECT_GT(ahead.max_m, 0.2 / (pole_1_s * pole_1_s) * 0.8);
+  EXPECT_LT(ahead.final_m, 0.003);
+  loop.station_axis = Vector3d::UnitZ();
+  loop.start.length_m = 5;
+  const Outcome up = fly(loop);
+  print("the same, up", up);
+  EXPECT_LT(up.mean_m, 0.01);
+}
+
+TEST(HoldLoop, KnownVelocityStaysStableWhereTheModelIsWrong) {
+  for (const double lag_s : {0.3, 0.8}) {
+    for (const double scale : {0.7, 1.4}) {
+      Loop loop = recommended();
+      loop.knows_velocity = true;
+      loop.station_speed_m_s = gently_out_and_back_m_s;
+      loop.lag_s = lag_s;
+      loop.scale = scale;
+      const Outcome o = fly(loop);
+      print(lag_s < 0.5 ? "velocity known, lag 0.3 s" : "velocity known, lag 0.8 s", o);
+      EXPECT_LT(o.max_m, 0.15) << "lag " << lag_s << " s, scale " << scale;
+      EXPECT_LT(o.final_m, 0.02) << "lag " << lag_s << " s, scale " << scale;
+    }
+  }
 }
 
 TEST(HoldLoop, PaperHoldsMoreLoosely) {

@@ -1,0 +1,153 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "geometry/angle.hpp"
+#include "navigation/navigator.hpp"
+#include "simulation/camera_mount.hpp"
+#include "simulation/develop.hpp"
+#include "simulation/patch_renderer.hpp"
+#include "simulation/room_scene.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr double kFramesPerSecond = 30;
+constexpr int kReadingsPerFrame = 7;
+const RigidTransform kForwardMount = camera_raised_forward(75);
+
+Camera fused_camera() {
+  return {.width_px = 400,
+          .height_px = 240,
+          .focal_x_px = 240,
+          .focal_y_px = 240,
+          .centre_x_px = 199.5,
+          .centre_y_px = 119.5,
+          .distortion = DistortionModel::radial_tangential,
+          .coefficients = {-0.2, 0.04, 1e-4, -1e-4}};
+}
+
+/// A level body that sways across the view and turns a little; at rest at time 0.
+struct Sway {
+  static constexpr double kReach_m = 0.25;
+  static constexpr double kRate_rad_s = 2.0;
+  static constexpr double kTurn_rad = 0.05;
+
+  [[nodiscard]] static RigidTransform pose(double t_s) {
+    const double phase = kRate_rad_s * t_s;
+    const double yaw_rad = kTurn_rad * (1 - std::cos(phase));
+    return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())),
+            Eigen::Vector3d(0, kReach_m * (1 - std::cos(phase)), 3)};
+  }
+  [[nodiscard]] static Eigen::Vector3d velocity_in_world_m_s(double t_s) {
+    return {0, kReach_m * kRate_rad_s * std::sin(kRate_rad_s * t_s), 0};
+  }
+  [[nodiscard]] static InertialReading reading(double t_s) {
+    const double phase = kRate_rad_s * t_s;
+    const Eigen::Vector3d force(0, kReach_m * kRate_rad_s * kRate_rad_s * std::cos(phase), 9.80665);
+    return {.stamp = from_seconds(t_s),
+            .angular_rate_in_body_rad_s = {0, 0, kTurn_rad * kRate_rad_s * std::sin(phase)},
+            .specific_force_in_body_m_s2 = pose(t_s).rotation.conjugate() * force};
+  }
+};
+
+/// The pictures of the sway, with the readings of the IMU before each.
+class FusedFlight {
+ public:
+  explicit FusedFlight(double known_height_m = 3, Policy policy = Policy::fused)
+      : scene_(make_room(5)),
+        renderer_(fused_camera(), 2),
+        navigator_(fused_camera(), kForwardMount, {},
+                   {.world_from_body = {Eigen::Quaterniond::Identity(), {0, 0, known_height_m}},
+                    .scale = ScaleSource::initial_height},
+                   {.policy = policy}) {}
+
+  NavigationEstimate step(const cv::Mat& picture) {
+    SensorReadings readings;
+    readings.attitude = Sway::pose(time_s()).rotation;
+    for (int i = 1; index_ > 0 && i <= kReadingsPerFrame; ++i) {
+      const double since = (i - 0.5) / kReadingsPerFrame;
+      InertialReading reading = Sway::reading((index_ - 1 + since) / kFramesPerSecond);
+      reading.stamp = from_seconds((index_ - 1 + static_cast<double>(i) / kReadingsPerFrame) /
+                                   kFramesPerSecond);
+      readings.inertial.push_back(reading);
+    }
+    const NavigationEstimate estimate = navigator_.step(
+        {.stamp = from_seconds(time_s()), .index = index_, .grey = picture}, readings);
+    ++index_;
+    return estimate;
+  }
+  NavigationEstimate step() {
+    return step(develop(renderer_.render(scene_, Sway::pose(time_s()) * kForwardMount),
+                        {.noise_grey = 1.5}, static_cast<std::uint64_t>(index_)));
+  }
+  /// Of the next frame.
+  [[nodiscard]] double time_s() const { return index_ / kFramesPerSecond; }
+
+ private:
+  PatchScene scene_;
+  PatchRenderer renderer_;
+  Navigator navigator_;
+  int index_ = 0;
+};
+
+Eigen::Vector3d way_error_m(const NavigationEstimate& first, const NavigationEstimate& now) {
+  const double t_s = to_seconds(now.stamp);
+  return (now.world_from_body.translation - first.world_from_body.translation) -
+         (Sway::pose(t_s).translation - Sway::pose(0).translation);
+}
+
+// A room is no flat ground: neither estimator alone knows the way in metres here.
+TEST(FusedNavigator, KnowsWayAndVelocityInMetresInARoom) {
+  FusedFlight flight;
+  const NavigationEstimate first = flight.step();
+  EXPECT_EQ(first.verdict, Verdict::first_frame);
+  for (int i = 1; i <= 120; ++i) {
+    const double t_s = flight.time_s();
+    const NavigationEstimate estimate = flight.step();
+    ASSERT_EQ(estimate.verdict, Verdict::ok) << "frame " << i;
+    EXPECT_EQ(estimate.source, EstimateSource::fused);
+    EXPECT_EQ(estimate.scale, ScaleSource::initial_height);
+    if (i < 60) continue;  // within two seconds the depths and the scale have shown
+    EXPECT_LT(way_error_m(first, estimate).norm(), 0.03) << "frame " << i;
+    EXPECT_LT((estimate.velocity_in_world_m_s - Sway::velocity_in_world_m_s(t_s)).norm(), 0.05);
+    EXPECT_LT(angle_between_rad(estimate.world_from_body.rotation, Sway::pose(t_s).rotation),
+              0.2 * kDegree);
+  }
+}
+
+TEST(FusedNavigator, CoversItsErrors) {
+  FusedFlight flight;
+  const NavigationEstimate first = flight.step();
+  int outside = 0;
+  for (int i = 1; i <= 120; ++i) {
+    const NavigationEstimate estimate = flight.step();
+    const Eigen::Vector3d error = way_error_m(first, estimate);
+    const Eigen::Vector3d sigma = estimate.pose_covariance.diagonal().head<3>().cwiseSqrt();
+    outside += (error.array().abs() > 3 * sigma.array() + 1e-3).any() ? 1 : 0;
+  }
+  EXPECT_LE(outside, 6);
+}
+
+// Frames that show nothing: a verdict, a growing covariance, the IMU's way; then as before.
+TEST(FusedNavigator, GoesOnByInertiaInTheDark) {
+  FusedFlight flight;
+  const NavigationEstimate first = flight.step();
+  NavigationEstimate before;
+  for (int i = 1; i <= 60; ++i) before = flight.step();
+  NavigationEstimate dark;
+  for (int i = 0; i < 15; ++i) {
+    dark = flight.step(cv::Mat::zeros(240, 400, CV_8UC1));
+    EXPECT_NE(dark.verdict, Verdict::ok);
+  }
+  EXPECT_GT(dark.pose_covariance(1, 1), before.pose_covariance(1, 1));
+  EXPECT_LT(way_error_m(first, dark).norm(), 0.06);
+  NavigationEstimate after;
+  for (int i = 0; i < 20; ++i) after = flight.step();
+  EXPECT_EQ(after.verdict, Verdict::ok);
+  EXPECT_LT(way_error_m(first, after).norm(), 0.03);
+}
+
+}  // namespace
+}  // namespace stillkite
