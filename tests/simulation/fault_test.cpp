@@ -144,8 +144,8 @@ std::string fault_name(const testing::TestParamInfo<FaultKind>& flight) {
 }
 
 // Along x, the way of these flights. Along y the reel at 0.3 m/s gains 0.1 m/s on a station that
-// moves on: after 3 s of frozen video it needs 5.7 s; and there a cover ends 0.33 m off, for the
-// estimate believes what the cover made of the way.
+// moves on: after 3 s of frozen video or slack tether it needs 5.7 s. And along y a cover does harm
+// that stays: docs/reports/2026-11-21-faults.md.
 class FaultThatIsTold : public testing::TestWithParam<FaultKind> {};
 
 TEST_P(FaultThatIsTold, TheDroneStaysNearComesBackAndSaysSo) {
@@ -160,7 +160,7 @@ INSTANTIATE_TEST_SUITE_P(Each, FaultThatIsTold,
                          fault_name);
 
 // After the dark the first picture is no reference any more: its features are gone, and the new
-// ones are as far off as 3 s of inertia are, up to 0.3 m over seeds and axes, for good. So the
+// ones are as far off as 3 s of inertia are, 0.1 to 0.6 m over seeds and axes, for good. So the
 // drone comes back to where it believes its place to be. It knows that it may be wrong: 22.5 is
 // the 99.9 % quantile of chi squared of six degrees of freedom.
 TEST(Fault, AfterTheDarkThePlaceIsAsUncertainAsTheEstimateSays) {
