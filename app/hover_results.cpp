@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/hover_estimates.hpp"
 #include "app/orientation_results.hpp"
 #include "evaluation/trial_statistics.hpp"
 #include "geometry/angle.hpp"
@@ -84,11 +85,13 @@ json hover_summary(std::span<const TrialRecord> records, const std::string& poli
     trial["stabilization"] = record.trial.stabilized;
     trial["policy"] = policy_of(record.trial, policy);
     trial["seed"] = record.trial.seed;
+    trial["estimate"] = hover_estimate_json({&record, 1});
     trials.push_back(std::move(trial));
     if (!record.samples.empty()) flown_s += record.samples.back().t_s;
   }
   return {{"table", {{"on", table_row(records, true)}, {"off", table_row(records, false)}}},
           {"trials", std::move(trials)},
+          {"estimate", hover_estimate_json(records)},
           {"orientation", orientation_summary(records)},
           {"timing", {{"wall_s", wall_s}, {"real_time_factor", flown_s / wall_s}}}};
 }
@@ -140,7 +143,7 @@ std::string hover_table(const json& summary) {
     }
     out += '\n';
   }
-  return out + orientation_table(summary["orientation"]);
+  return out + hover_estimate_line(summary["estimate"]) + orientation_table(summary["orientation"]);
 }
 
 }  // namespace stillkite

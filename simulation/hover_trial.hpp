@@ -1,25 +1,18 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <functional>
 #include <vector>
 
 #include "flow/frame.hpp"
 #include "navigation/navigation_estimate.hpp"
 #include "simulation/hover_config.hpp"
-#include "simulation/patch_renderer.hpp"
-#include "simulation/yaw_kicks.hpp"
+#include "simulation/hover_estimate_error.hpp"
+#include "simulation/hover_plant.hpp"
+#include "simulation/hover_world.hpp"
 #include "stabilization/hold_decision.hpp"
 
 namespace stillkite {
-
-/// One flight of the hold paper's section V.
-struct Trial {
-  PaperAxis axis = PaperAxis::x;
-  bool stabilized = true;
-  std::uint64_t seed = 1;
-};
 
 /// The truth of an instant of a trial, one a frame of the camera, and what was then in force.
 struct TrialSample {
@@ -38,19 +31,9 @@ struct TrialSample {
 struct TrialRecord {
   Trial trial;
   std::vector<TrialSample> samples;
-  std::vector<YawKick> kicks;  ///< that turned the drone
+  std::vector<YawKick> kicks;                  ///< that turned the drone
+  std::vector<EstimateError> estimate_errors;  ///< one a picture that was looked at
 };
-
-/// What a picture suffers between camera and computer; empty: nothing.
-using VideoLink = std::function<cv::Mat(const cv::Mat& grey)>;
-
-/// What all trials of one configuration share; making it takes longer than a frame.
-struct HoverWorld {
-  PatchScene scene;
-  PatchRenderer renderer;
-  VideoLink link;
-};
-[[nodiscard]] HoverWorld make_hover_world(const HoverConfig& config, VideoLink link = {});
 
 /// The trials in the paper's order: axis x, y, z, each with stabilization first. Flights of one
 /// number along different axes have different seeds.

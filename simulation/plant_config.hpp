@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "simulation/fault.hpp"
 #include "simulation/hover_sensors.hpp"
 #include "simulation/simulation_config.hpp"
 #include "simulation/station_path.hpp"
@@ -36,6 +37,7 @@ struct PlantConfig {
   StationPathConfig station{};
   WindConfig wind{};
   std::optional<YawKickConfig> yaw_kicks{};
+  std::optional<FaultConfig> fault{};
 
   static void fields(auto& self, auto&& field) {
     field("drone", self.drone, "tether, limits, lag and what wind does");
@@ -46,6 +48,7 @@ struct PlantConfig {
     field("station", self.station, "the way of the ground station");
     field("wind", self.wind, "mean and gusts");
     field("yaw_kicks", self.yaw_kicks, "what turns the drone; null: nothing");
+    field("fault", self.fault, "what goes wrong for a while; null: nothing");
   }
 };
 

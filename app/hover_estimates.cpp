@@ -1,0 +1,75 @@
+#include "app/hover_estimates.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace stillkite {
+namespace {
+
+using nlohmann::json;
+
+json mean_of(const std::vector<double>& values) {
+  if (values.empty()) return nullptr;
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+json rms_of(const std::vector<double>& values) {
+  std::vector<double> squares;
+  squares.reserve(values.size());
+  for (const double value : values) squares.push_back(value * value);
+  const json mean = mean_of(squares);
+  return mean.is_null() ? mean : json(std::sqrt(mean.get<double>()));
+}
+
+// Nearest rank: the smallest value that 95 % of them do not exceed.
+json percentile_95_of(std::vector<double> values) {
+  if (values.empty()) return nullptr;
+  std::sort(values.begin(), values.end());
+  const double rank = std::ceil(0.95 * static_cast<double>(values.size()));
+  return values[static_cast<std::size_t>(rank) - 1];
+}
+
+std::string scaled_or_dash(const json& value, double factor) {
+  return value.is_number() ? fmt::format("{:.1f}", factor * value.get<double>()) : "-";
+}
+
+}  // namespace
+
+json hover_estimate_json(std::span<const TrialRecord> records) {
+  std::vector<double> positions_m;
+  std::vector<double> velocities_m_s;
+  std::vector<double> nees;
+  std::vector<double> available;
+  for (const TrialRecord& record : records) {
+    for (const EstimateError& error : record.estimate_errors) {
+      if (error.position_error_m) positions_m.push_back(*error.position_error_m);
+      if (error.velocity_error_m_s) velocities_m_s.push_back(*error.velocity_error_m_s);
+      if (error.pose_nees) nees.push_back(*error.pose_nees);
+      const bool tells = error.verdict == Verdict::ok || error.verdict == Verdict::first_frame;
+      available.push_back(tells ? 1 : 0);
+    }
+  }
+  return {{"position_rmse_m", rms_of(positions_m)},
+          {"velocity_rmse_m_s", rms_of(velocities_m_s)},
+          {"velocity_p95_m_s", percentile_95_of(velocities_m_s)},
+          {"nees_mean", mean_of(nees)},
+          {"available_ratio", mean_of(available)}};
+}
+
+std::string hover_estimate_line(const json& estimate) {
+  return fmt::format(
+      "estimate: place within {} cm (rms), velocity {} cm/s (rms), {} (95 %), NEES {} of 6, "
+      "available {} %\n",
+      scaled_or_dash(estimate["position_rmse_m"], 100),
+      scaled_or_dash(estimate["velocity_rmse_m_s"], 100),
+      scaled_or_dash(estimate["velocity_p95_m_s"], 100), scaled_or_dash(estimate["nees_mean"], 1),
+      scaled_or_dash(estimate["available_ratio"], 100));
+}
+
+}  // namespace stillkite

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "simulation/fault.hpp"
+#include "simulation/hover_readings.hpp"
+#include "simulation/patch_scene.hpp"
+
+namespace stillkite {
+
+/// Gyroscope and IMU's attitude as the fault leaves them; tilt is the accelerometer's and stays.
+[[nodiscard]] HoverReadings with_fault(HoverReadings readings, const FaultEffect& fault);
+
+/// The upper part of a picture (CV_32FC1) behind a patterned sheet that swings to and fro.
+[[nodiscard]] cv::Mat covered(const cv::Mat& light, double ratio, double t_s);
+
+/// The level patches at height 0 lifted; what stands on them sinks in.
+[[nodiscard]] PatchScene with_floor_raised(PatchScene scene, double by_m);
+
+}  // namespace stillkite

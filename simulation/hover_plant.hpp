@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/time.hpp"
+#include "simulation/fault.hpp"
+#include "simulation/hover_config.hpp"
+#include "simulation/tethered_drone.hpp"
+#include "simulation/wind.hpp"
+#include "simulation/yaw_kicks.hpp"
+
+namespace stillkite {
+
+/// One flight of the hold paper's section V.
+struct Trial {
+  PaperAxis axis = PaperAxis::x;
+  bool stabilized = true;
+  std::uint64_t seed = 1;
+};
+
+/// The physical side of a trial and its clock: what happens whether or not anyone looks.
+class HoverPlant {
+ public:
+  HoverPlant(const HoverConfig& config, const Trial& trial);
+
+  [[nodiscard]] Timestamp now() const;
+  [[nodiscard]] bool is_over() const { return step_ > last_step_; }
+  [[nodiscard]] const DroneTruth& truth() const { return drone_.truth(); }
+  [[nodiscard]] RigidTransform world_from_station() const;
+  [[nodiscard]] const std::vector<YawKick>& kicks() const { return kicks_; }
+  /// What is wrong at present.
+  [[nodiscard]] FaultEffect fault() const;
+
+  /// 1/600 s further, with that command.
+  void step(const TetherCommand& command);
+
+ private:
+  StationPathConfig path_;
+  std::optional<FaultConfig> fault_;
+  DrydenWind wind_;
+  TetheredDrone drone_;
+  std::vector<YawKick> kicks_;
+  std::int64_t step_ = 0;
+  std::int64_t last_step_ = 0;
+};
+
+}  // namespace stillkite

@@ -1,0 +1,19 @@
+#include "simulation/hover_world.hpp"
+
+#include <utility>
+
+#include "simulation/coast_scene.hpp"
+#include "simulation/hover_streams.hpp"
+#include "simulation/room_scene.hpp"
+
+namespace stillkite {
+
+HoverWorld make_hover_world(const HoverConfig& config, VideoLink link) {
+  const std::uint64_t seed =
+      hover_random(static_cast<std::uint64_t>(config.seed), HoverStream::scene).bits();
+  return {config.scene == SceneKind::room ? make_room(seed) : make_coast(seed),
+          PatchRenderer(config.plant.camera.lens(), config.plant.camera.supersampling),
+          std::move(link)};
+}
+
+}  // namespace stillkite

@@ -1,0 +1,96 @@
+#include "simulation/hover_video.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "simulation/camera_mount.hpp"
+
+namespace stillkite {
+namespace {
+
+// A small camera of 10 Hz 3 m over a floor.
+HoverConfig small_video() {
+  HoverConfig config;
+  SimulatedCameraConfig& camera = config.plant.camera;
+  camera.width_px = 200;
+  camera.height_px = 120;
+  camera.focal_x_px = camera.focal_y_px = 120;
+  camera.centre_x_px = 99.5;
+  camera.centre_y_px = 59.5;
+  camera.frames_per_s = 10;
+  return config;
+}
+
+// What is sent of 1.05 s with a fault, while the drone goes ahead at 1 m/s.
+std::vector<SentPicture> sent_with(const FaultEffect& fault, bool is_stabilized = true) {
+  const HoverConfig config = small_video();
+  static const HoverWorld room = make_hover_world(config);
+  HoverVideo video(config, room, {.stabilized = is_stabilized});
+  std::vector<SentPicture> sent;
+  for (int step = 0; step <= 125; ++step) {
+    const Timestamp now = from_seconds(0.01 * step);
+    DroneTruth truth;
+    truth.world_from_body.translation = {0.01 * step, 0, 3};
+    truth.world_from_camera = truth.world_from_body * camera_raised_forward(75);
+    const bool is_exposed = video.expose(truth, Eigen::Quaterniond::Identity(), now, fault);
+    EXPECT_EQ(is_exposed, step % 10 == 0) << step;
+    if (const auto ready = video.take(now)) sent.push_back(*ready);
+  }
+  return sent;
+}
+
+bool is_same_picture(const cv::Mat& a, const cv::Mat& b) {
+  return cv::countNonZero(a != b) == 0;
+}
+
+TEST(HoverVideo, SendsEachPictureOnceItsTimeHasPassed) {
+  const std::vector<SentPicture> sent = sent_with({});
+  ASSERT_EQ(sent.size(), 12U);
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    EXPECT_EQ(sent[i].frame.stamp, from_seconds(0.1 * static_cast<double>(i)));
+    EXPECT_EQ(sent[i].due.ns - sent[i].frame.stamp.ns, from_seconds(0.11).ns);
+    EXPECT_NEAR(sent[i].truth.world_from_body.translation.x(), to_seconds(sent[i].frame.stamp),
+                1e-12);
+  }
+  EXPECT_FALSE(is_same_picture(sent[0].frame.grey, sent[1].frame.grey));
+  EXPECT_TRUE(sent_with({}, false).empty());
+}
+
+TEST(HoverVideo, AFrozenOneSendsItsFirstPictureWithNewStamps) {
+  const std::vector<SentPicture> sent = sent_with({.is_video_frozen = true});
+  ASSERT_EQ(sent.size(), 12U);
+  EXPECT_TRUE(is_same_picture(sent[11].frame.grey, sent[0].frame.grey));
+  EXPECT_NE(sent[11].frame.grey.data, sent[0].frame.grey.data);
+  EXPECT_EQ(sent[11].frame.stamp, from_seconds(1.1));
+}
+
+TEST(HoverVideo, EveryThirdPictureIsLost) {
+  const std::vector<SentPicture> sent = sent_with({.is_every_third_frame_lost = true});
+  ASSERT_EQ(sent.size(), 8U);
+  EXPECT_EQ(sent[1].frame.index, 1);
+  EXPECT_EQ(sent[2].frame.index, 3);
+}
+
+TEST(HoverVideo, StampsAreOffAndTheTruthIsNot) {
+  const std::vector<SentPicture> sent = sent_with({.stamps_off_s = 0.05});
+  EXPECT_EQ(sent[1].frame.stamp, from_seconds(0.15));
+  EXPECT_NEAR(sent[1].truth.world_from_body.translation.x(), 0.1, 1e-12);
+}
+
+TEST(HoverVideo, WithoutLightThereIsOnlyNoise) {
+  const cv::Mat dark = sent_with({.light_ratio = 0.005})[0].frame.grey;
+  EXPECT_LT(cv::mean(dark)[0], 4);
+}
+
+// The horizon of a camera that looks 15 degrees down is in row 59.5 - 120 tan(15 deg) = 27.
+TEST(HoverVideo, AFloorThatRisesChangesThePictureBelowTheHorizonOnly) {
+  const cv::Mat before = sent_with({})[0].frame.grey;
+  const cv::Mat after = sent_with({.floor_rise_m = 0.3})[0].frame.grey;
+  EXPECT_TRUE(is_same_picture(before.rowRange(0, 20), after.rowRange(0, 20)));
+  EXPECT_FALSE(is_same_picture(before.rowRange(80, 120), after.rowRange(80, 120)));
+}
+
+}  // namespace
+}  // namespace stillkite
