@@ -18,7 +18,7 @@ struct FusionConfig {
   double flow_velocity_sigma_ratio = 0.02;
   double flow_correlated_frames = 10;
   double acceleration_density = 1.0;
-  double rate_density = 0.05;
+  double rate_density = 0.005;
   double gyro_density = 5e-4;
   double gyro_bias_sigma_rad_s = 0.01;
   double gyro_bias_walk = 5e-5;

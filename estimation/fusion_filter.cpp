@@ -12,6 +12,7 @@ using Index = FusionIndex;
 constexpr double kGravity_m_s2 = 9.80665;
 constexpr int kMostRefusals = 5;
 constexpr double kAnySpeed_m_s = 100;
+constexpr double kAnyRateDensity = 0.5;  // rad/s/sqrt(Hz)
 
 // Accelerometers feel its opposite. The world's vertical is off by the tilt: exp(tilt) z.
 Eigen::Vector3d gravity_m_s2(const Eigen::Vector2d& tilt_rad) {
@@ -133,7 +134,9 @@ void FusionFilter::predict(const InertialStep& step) {
     F.middleRows<3>(Index::kVelocity) += by_force;
     F.middleRows<3>(Index::kPosition) += 0.5 * dt_s * by_force;
   }
-  const double rate_density = has_gyro ? config_.gyro_density : config_.rate_density;
+  const double rate_density = has_gyro                  ? config_.gyro_density
+                              : step.angular_rate_rad_s ? config_.rate_density
+                                                        : kAnyRateDensity;
   const double accel_density = has_accel ? config_.accel_density : config_.acceleration_density;
   Matrix9d noise = white_acceleration(square(shrink * accel_density), dt_s);
   noise.diagonal().segment<3>(Index::kRotation).setConstant(square(rate_density) * dt_s);

@@ -91,7 +91,9 @@ HWY_INLINE void add_patch(const PatchTile& tile, const ColumnPlaces& columns, in
   const int level = only_level(tile.candidates[number], tile.round_up);
   const PatchLevel only = patch.levels[std::max(0, level)];
   const VF wanted = hn::Set(f, static_cast<float>(number));
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read
   TilePlaces places;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read
   std::array<std::int16_t, kTilePixels> firsts;
   int count = 0;
   // without a branch, which no processor would foresee
@@ -117,7 +119,7 @@ HWY_INLINE void add_patch(const PatchTile& tile, const ColumnPlaces& columns, in
 // A functional of the bearing along a segment, where both coordinates are cubic: so is it.
 HWY_INLINE std::array<float, 4> cubic_along(const std::array<float, 3>& a,
                                             const BearingSegment& segment) {
-  std::array<float, 4> out;
+  std::array<float, 4> out{};
   for (int k = 0; k < 4; ++k) out[k] = a[0] * segment.x[k] + a[1] * segment.y[k];
   out[0] += a[2];
   return out;
@@ -126,7 +128,7 @@ HWY_INLINE std::array<float, 4> cubic_along(const std::array<float, 3>& a,
 // a of the finest level, times the inverse depth, on another level.
 HWY_INLINE std::array<float, 3> on_level(const PatchLevel& level, const std::array<float, 3>& a,
                                          const std::array<float, 3>& inverse_depth) {
-  std::array<float, 3> out;
+  std::array<float, 3> out{};
   for (int k = 0; k < 3; ++k) out[k] = level.scale * a[k] + level.shift * inverse_depth[k];
   return out;
 }
@@ -159,6 +161,7 @@ HWY_INLINE void add_cover(const PatchTile& tile, const ColumnPlaces& columns) {
   const int lanes = static_cast<int>(hn::Lanes(f));
   const PatchView& patch = *tile.candidates[0].view;
   const int level = only_level(tile.candidates[0], tile.round_up);
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read
   TilePlaces places;
   if (level >= 0 && !patch.mirrored) {
     find_level_places(tile, columns, patch.levels[level], places);
@@ -187,6 +190,7 @@ void add_tile_kernel(const PatchTile& tile) {
   if (tile.covered) return add_cover(tile, columns);
 
   const VF background = hn::Set(f, tile.background_grey);
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read
   HWY_ALIGN std::array<float, kTilePixels> winners;
   for (int first = 0; first < tile.rows * kColumns; first += lanes) {
     const Bearings bearing = bearings_at(tile, columns, first);
