@@ -19,7 +19,7 @@ struct Hover {
   static constexpr double kSettle_s = 1.5;
 
   RigidTransform start;  // world from body
-  double radius_m;
+  double radius_m = 0;
 
   [[nodiscard]] RigidTransform world_from_body(double t_s) const {
     const double s = std::clamp(t_s / kSettle_s, 0.0, 1.0);

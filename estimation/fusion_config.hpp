@@ -13,6 +13,7 @@ struct FusionConfig {
   int min_landmarks = 12;
   double inverse_depth_sigma_ratio = 0.5;
   double scale_sigma_ratio = 0.5;
+  double metric_below_sigma_ratio = 0.25;
   double height_sigma_ratio = 0.02;
   double ground_sigma_ratio = 0.01;
   double flow_velocity_sigma_ratio = 0.02;
@@ -41,6 +42,9 @@ struct FusionConfig {
           "of a new landmark's inverse depth, as a share of its guess");
     field("scale_sigma_ratio", self.scale_sigma_ratio, kPositive,
           "of the metres that the first landmarks were guessed in");
+    field("metric_below_sigma_ratio", self.metric_below_sigma_ratio, kPositive,
+          "the answer is in metres once the scale is known to that share; before, its scale is "
+          "`none`");
     field("height_sigma_ratio", self.height_sigma_ratio, kPositive,
           "of the height at the start, which is the flow's scale");
     field("ground_sigma_ratio", self.ground_sigma_ratio, kPositive,

@@ -224,7 +224,9 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) c
       R_t * filter_.velocity_covariance() * R_t.transpose();
   out.twist_covariance.bottomRightCorner<3, 3>().diagonal().setConstant(config_.gyro_density *
                                                                         config_.gyro_density);
-  out.scale = scale_;
+  // metres that were merely guessed are none
+  const bool is_metric = filter_.scale_sigma() < config_.metric_below_sigma_ratio;
+  out.scale = is_metric ? scale_ : ScaleSource::none;
   return out;
 }
 

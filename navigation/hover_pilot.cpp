@@ -30,7 +30,10 @@ MotionEstimate motion_estimate(const NavigationEstimate& estimate,
                                const RigidTransform& body_from_camera) {
   const RigidTransform start_from_camera =
       world_from_start.inverse() * (estimate.world_from_body * body_from_camera);
-  if (estimate.source == EstimateSource::reference) {
+  const bool is_fused_without_metres =
+      estimate.source == EstimateSource::fused && estimate.scale == ScaleSource::none;
+  if (estimate.reference &&
+      (estimate.source == EstimateSource::reference || is_fused_without_metres)) {
     const MotionEstimate& seen = estimate.reference->motion;
     return estimate.reference->is_home ? seen
                                        : with_first_attitude(seen, start_from_camera.rotation);

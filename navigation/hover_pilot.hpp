@@ -45,8 +45,9 @@ class HoverPilot {
 };
 
 /// What an estimate says to the controller: of the reference estimator its own answer, from a later
-/// reference with the attitude carried on from the first; of the flow navigator the way from
-/// `world_from_start`, metric where it has a scale.
+/// reference with the attitude carried on from the first; of the flow navigator and of the fusion
+/// the way from `world_from_start`, metric where it has a scale; of a fusion that has none yet, the
+/// reference estimator's answer.
 [[nodiscard]] MotionEstimate motion_estimate(const NavigationEstimate& estimate,
                                              const RigidTransform& world_from_start,
                                              const RigidTransform& body_from_camera);

@@ -10,6 +10,7 @@ namespace stillkite {
 
 /// Two made-up estimators over the same flight; the second has twice the error and no scale if so
 /// asked.
+// NOLINTNEXTLINE(bugprone-exception-escape): nlohmann::json moves without throwing
 struct SyntheticComparison {
   SyntheticFlight first;
   SyntheticFlight second;
