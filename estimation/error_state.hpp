@@ -1,10 +1,13 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <array>
 
 namespace stillkite {
+
+[[nodiscard]] inline double square(double x) {
+  return x * x;
+}
 
 /// Rows of a measurement's Jacobian, of which only few columns are not 0: blocks of up to three.
 template <int kRows>

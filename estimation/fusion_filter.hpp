@@ -34,8 +34,6 @@ class FusionFilter {
   /// adds to the covariance of (translation, rotation vector), world axes.
   void predict_by_odometry(const RigidTransform& before_from_now_m, double dt_s,
                            const Matrix6d& growth);
-  /// Pose and velocity after further steps; the filter stays where it is.
-  [[nodiscard]] FusionState predicted(const std::vector<InertialStep>& steps) const;
 
   /// The flow's velocity in the camera, by its own idea of the height. False: refused.
   bool update_flow_velocity(const Eigen::Vector3d& velocity_m_s, const Eigen::Matrix3d& covariance);

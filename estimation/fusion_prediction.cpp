@@ -1,0 +1,138 @@
+#include <cmath>
+
+#include "estimation/fusion_filter.hpp"
+
+namespace stillkite {
+namespace {
+
+using Index = FusionIndex;
+constexpr double kGravity_m_s2 = 9.80665;
+constexpr double kAnySpeed_m_s = 100;
+constexpr double kAnyRateDensity = 0.5;  // rad/s/sqrt(Hz)
+
+// Accelerometers feel its opposite. The world's vertical is off by the tilt: exp(tilt) z.
+Eigen::Vector3d gravity_m_s2(const Eigen::Vector2d& tilt_rad) {
+  return -kGravity_m_s2 * Eigen::Vector3d(tilt_rad.y(), -tilt_rad.x(), 1);
+}
+
+Eigen::Matrix<double, 3, 2> gravity_by_tilt() {
+  Eigen::Matrix<double, 3, 2> J;
+  J << 0, -kGravity_m_s2, kGravity_m_s2, 0, 0, 0;
+  return J;
+}
+
+// Of position and velocity (Bar-Shalom et al. 2001, eq. 6.2.2-12), the density squared.
+Eigen::Matrix<double, 9, 9> white_acceleration(double squared_density, double dt_s) {
+  Eigen::Matrix<double, 9, 9> Q = Eigen::Matrix<double, 9, 9>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const int p = Index::kPosition + i;
+    const int v = Index::kVelocity + i;
+    Q(p, p) = squared_density * dt_s * dt_s * dt_s / 3;
+    Q(p, v) = Q(v, p) = squared_density * dt_s * dt_s / 2;
+    Q(v, v) = squared_density * dt_s;
+  }
+  return Q;
+}
+
+struct Carried {
+  Eigen::Vector3d rate_rad_s;
+  Eigen::Vector3d force_in_world_m_s2;  // without gravity
+};
+
+Carried carried(const FusionState& state, const InertialStep& step) {
+  Carried out{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  if (step.angular_rate_rad_s) out.rate_rad_s = *step.angular_rate_rad_s;
+  if (step.is_gyro && step.angular_rate_rad_s) out.rate_rad_s -= state.gyro_bias_rad_s;
+  if (step.specific_force_m_s2) {
+    out.force_in_world_m_s2 =
+        state.world_from_camera.rotation * (*step.specific_force_m_s2 - state.accel_bias_m_s2);
+  }
+  return out;
+}
+
+FusionState moved(const FusionState& state, const InertialStep& step) {
+  const Carried by = carried(state, step);
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+  if (step.specific_force_m_s2) {
+    acceleration = std::exp(-state.log_scale) *
+                   (by.force_in_world_m_s2 + gravity_m_s2(state.gravity_tilt_rad));
+  }
+  FusionState next = state;
+  next.world_from_camera.rotation =
+      (state.world_from_camera.rotation * so3_exp(by.rate_rad_s * step.dt_s)).normalized();
+  next.world_from_camera.translation +=
+      state.velocity_in_world * step.dt_s + 0.5 * square(step.dt_s) * acceleration;
+  next.velocity_in_world += acceleration * step.dt_s;
+  return next;
+}
+
+}  // namespace
+
+void FusionFilter::predict(const InertialStep& step) {
+  const double dt_s = step.dt_s;
+  const bool has_gyro = step.angular_rate_rad_s && step.is_gyro;
+  const bool has_accel = step.specific_force_m_s2.has_value();
+  const Eigen::Matrix3d R = state_.world_from_camera.rotation.toRotationMatrix();
+  const Carried by = carried(state_, step);
+  const double shrink = std::exp(-state_.log_scale);
+
+  Transition F = Transition::Identity();
+  F.block<3, 3>(Index::kPosition, Index::kVelocity).diagonal().setConstant(dt_s);
+  if (has_gyro) F.block<3, 3>(Index::kRotation, Index::kGyroBias) = -dt_s * R;
+  if (has_accel) {
+    const double in_map_s = shrink * dt_s;
+    Eigen::Matrix<double, 3, Index::kAnchorRotation> by_force;
+    by_force.setZero();
+    by_force.middleCols<3>(Index::kRotation) = -in_map_s * skew(by.force_in_world_m_s2);
+    by_force.middleCols<3>(Index::kAccelBias) = -in_map_s * R;
+    by_force.middleCols<2>(Index::kTilt) = in_map_s * gravity_by_tilt();
+    by_force.col(Index::kScale) =
+        -in_map_s * (by.force_in_world_m_s2 + gravity_m_s2(state_.gravity_tilt_rad));
+    F.middleRows<3>(Index::kVelocity) += by_force;
+    F.middleRows<3>(Index::kPosition) += 0.5 * dt_s * by_force;
+  }
+  const double rate_density = has_gyro                  ? config_.gyro_density
+                              : step.angular_rate_rad_s ? config_.rate_density
+                                                        : kAnyRateDensity;
+  const double accel_density = has_accel ? config_.accel_density : config_.acceleration_density;
+  Matrix9d noise = white_acceleration(square(shrink * accel_density), dt_s);
+  noise.diagonal().segment<3>(Index::kRotation).setConstant(square(rate_density) * dt_s);
+  propagate(F, noise, dt_s);
+  state_ = moved(state_, step);
+}
+
+// With s = exp(-(log_scale + log_height)): p' = p + s R t, R' = R dR
+void FusionFilter::predict_by_odometry(const RigidTransform& before_from_now_m, double dt_s,
+                                       const Matrix6d& growth) {
+  const double shrink = std::exp(-(state_.log_scale + state_.log_height));
+  RigidTransform& camera = state_.world_from_camera;
+  const Eigen::Vector3d way = shrink * (camera.rotation * before_from_now_m.translation);
+  Transition F = Transition::Identity();
+  F.block<3, 3>(Index::kPosition, Index::kRotation) = -skew(way);
+  F.col(Index::kScale).segment<3>(Index::kPosition) = -way;
+  F.col(Index::kHeight).segment<3>(Index::kPosition) = -way;
+  Matrix9d noise = Matrix9d::Zero();
+  noise.block<3, 3>(Index::kRotation, Index::kRotation) = growth.bottomRightCorner<3, 3>();
+  noise.block<3, 3>(Index::kPosition, Index::kPosition) =
+      square(shrink) * growth.topLeftCorner<3, 3>();
+  noise.block<3, 3>(Index::kPosition, Index::kRotation) = shrink * growth.topRightCorner<3, 3>();
+  noise.block<3, 3>(Index::kRotation, Index::kPosition) = shrink * growth.bottomLeftCorner<3, 3>();
+  // the velocity carries nothing on here: the flow's own, which is filtered, takes its place
+  F.middleRows<3>(Index::kVelocity).setZero();
+  noise.diagonal().segment<3>(Index::kVelocity).setConstant(square(shrink * kAnySpeed_m_s));
+  propagate(F, noise, dt_s);
+  camera.translation += way;
+  camera.rotation = (camera.rotation * before_from_now_m.rotation).normalized();
+}
+
+void FusionFilter::propagate(const Transition& F, const Matrix9d& noise, double dt_s) {
+  const int n = size();
+  const Eigen::MatrixXd rows = F * P_.topLeftCorner(Index::kAnchorRotation, n);
+  P_.topLeftCorner(9, n) = rows;
+  P_.topLeftCorner(n, 9) = rows.transpose();
+  P_.topLeftCorner<9, 9>() = rows.leftCols<Index::kAnchorRotation>() * F.transpose() + noise;
+  P_.diagonal().segment<3>(Index::kGyroBias).array() += square(config_.gyro_bias_walk) * dt_s;
+  P_.diagonal().segment<3>(Index::kAccelBias).array() += square(config_.accel_bias_walk) * dt_s;
+}
+
+}  // namespace stillkite
