@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "navigation/assumptions.hpp"
 #include "navigation/stop_watch.hpp"
@@ -40,6 +41,12 @@ Verdict unmeasured(Verdict reference) {
   return is_good ? Verdict::too_few_inliers : reference;
 }
 
+std::array<double, kStageCount> sum_of(std::array<double, kStageCount> a,
+                                       const std::array<double, kStageCount>& b) {
+  std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());
+  return a;
+}
+
 // now - before, where it is positive.
 Matrix6d growth_of(const Matrix6d& before, const Matrix6d& now) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(now - before);
@@ -66,13 +73,11 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
                                         const SensorReadings& readings) {
   // 1. Either estimator by itself.
   const NavigationEstimate flow = flow_.step(frame, interval, readings);
-  NavigationEstimate reference = reference_.step(frame, interval, readings);
+  const NavigationEstimate reference = reference_.step(frame, interval, readings);
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
   if (interval.spoiled == Verdict::first_frame) last_ = frame.stamp;
   predict(readings, frame.stamp, flow, reference.reference->motion.twist_in_camera);
-  last_flow_.reset();
-  if (flow.verdict == Verdict::ok) last_flow_ = flow;
   if (readings.attitude) {
     const Eigen::Quaterniond world_from_camera = *readings.attitude * body_from_camera_.rotation;
     filter_.update_up(world_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
@@ -87,9 +92,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
                           : flow_taken || landmarks_taken ? Verdict::ok
                                                           : unmeasured(reference.verdict);
   NavigationEstimate out = answer(frame, verdict);
-  for (std::size_t i = 0; i < out.stage_ms.size(); ++i) {
-    out.stage_ms[i] = flow.stage_ms[i] + reference.stage_ms[i];
-  }
+  out.stage_ms = sum_of(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   out.new_keyframe = reference.new_keyframe;
   out.quality = reference.quality;
@@ -128,6 +131,8 @@ void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
           ? flow.twist_in_camera.angular_rate_rad_s
           : so3_log(before.conjugate() * filter_.state().world_from_camera.rotation) / dt_s;
   last_ = now;
+  last_flow_.reset();
+  if (flow.verdict == Verdict::ok) last_flow_ = flow;
 }
 
 // The way since the last frame, of two answers whose common errors cancel; what the second is less
