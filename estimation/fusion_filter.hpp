@@ -60,6 +60,10 @@ class FusionFilter {
   /// Of (translation in m, rotation vector), world axes, from the first frame.
   [[nodiscard]] Matrix6d pose_covariance() const;
   [[nodiscard]] Eigen::Matrix3d velocity_covariance() const;
+  /// (rad/s)^2, camera axes.
+  [[nodiscard]] Eigen::Matrix3d gyro_bias_covariance() const {
+    return P_.block<3, 3>(FusionIndex::kGyroBias, FusionIndex::kGyroBias);
+  }
   /// Of the logarithm of the scale: a share of every length.
   [[nodiscard]] double scale_sigma() const;
 

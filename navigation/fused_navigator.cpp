@@ -1,5 +1,7 @@
 #include "navigation/fused_navigator.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -20,7 +22,7 @@ InertialStep in_camera(const InertialReading& reading, double dt_s,
           .specific_force_m_s2 = camera_from_body * reading.specific_force_in_body_m_s2};
 }
 
-// The interval's readings, a step each; what they leave open has none.
+// The interval's finite readings, a step each; what they leave open has none.
 std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
                                          Timestamp from, Timestamp to,
                                          const Eigen::Quaterniond& body_from_camera) {
@@ -28,7 +30,9 @@ std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& rea
   steps.reserve(readings.size() + 1);
   Timestamp at = from;
   for (const InertialReading& reading : readings) {
-    if (reading.stamp <= at || reading.stamp > to) continue;
+    const bool is_finite = reading.angular_rate_in_body_rad_s.allFinite() &&
+                           reading.specific_force_in_body_m_s2.allFinite();
+    if (!is_finite || reading.stamp <= at || reading.stamp > to) continue;
     steps.push_back(in_camera(reading, seconds_between(at, reading.stamp), body_from_camera));
     at = reading.stamp;
   }
@@ -54,6 +58,12 @@ Matrix6d growth_of(const Matrix6d& before, const Matrix6d& now) {
   return V * solver.eigenvalues().cwiseMax(0).asDiagonal() * V.transpose();
 }
 
+FusionConfig checked(const FusionConfig& config) {
+  if (config.min_landmarks <= config.landmarks) return config;
+  throw InputError(fmt::format("fusion.min_landmarks: {} is more than fusion.landmarks, {}",
+                               config.min_landmarks, config.landmarks));
+}
+
 }  // namespace
 
 FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -61,7 +71,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
                                Mode mode)
     : camera_(camera),
       body_from_camera_(body_from_camera),
-      config_(config.fusion),
+      config_(checked(config.fusion)),
       readout_s_(config.readout_s),
       scale_(initial.scale),
       flow_(camera, body_from_camera, config, initial),
@@ -77,7 +87,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
   if (interval.spoiled == Verdict::first_frame) last_ = frame.stamp;
-  predict(readings, frame.stamp, flow, reference.reference->motion.twist_in_camera);
+  predict(readings, frame.stamp, flow, reference);
   if (readings.attitude) {
     const Eigen::Quaterniond world_from_camera = *readings.attitude * body_from_camera_.rotation;
     filter_.update_up(world_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
@@ -101,38 +111,63 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
 }
 
 void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
-                             const NavigationEstimate& flow,
-                             const std::optional<Twist>& picture_rate) {
+                             const NavigationEstimate& flow, const NavigationEstimate& reference) {
   if (now <= last_) return;
   const Eigen::Quaterniond before = filter_.state().world_from_camera.rotation;
-  double left_s = seconds_between(last_, now);
-  const double dt_s = left_s;
-  for (const InertialStep& step :
-       inertial_steps(readings.inertial, last_, now, body_from_camera_.rotation)) {
+  const double dt_s = seconds_between(last_, now);
+  const std::vector<InertialStep> steps =
+      inertial_steps(readings.inertial, last_, now, body_from_camera_.rotation);
+  double left_s = dt_s;
+  for (const InertialStep& step : steps) {
     filter_.predict(step);
     left_s -= step.dt_s;
   }
-  // what no IMU covers
-  follows_flow_ = left_s == dt_s && follow_flow(flow, dt_s);
+  follows_flow_ = steps.empty() && follow_flow(flow, dt_s);
   if (left_s > 1e-6 && !follows_flow_) {
-    InertialStep step{
-        .dt_s = left_s, .angular_rate_rad_s = {}, .is_gyro = false, .specific_force_m_s2 = {}};
-    if (readings.mean_angular_rate_in_body_rad_s) {
-      step.is_gyro = true;
-      step.angular_rate_rad_s =
-          body_from_camera_.rotation.conjugate() * *readings.mean_angular_rate_in_body_rad_s;
-    } else if (picture_rate) {
-      step.angular_rate_rad_s = picture_rate->angular_rate_rad_s;
-    }
-    filter_.predict(step);
+    filter_.predict(uncovered_step(readings, left_s, reference));
   }
   rate_in_camera_rad_s_ =
       follows_flow_
           ? flow.twist_in_camera.angular_rate_rad_s
           : so3_log(before.conjugate() * filter_.state().world_from_camera.rotation) / dt_s;
+  const bool has_gyro = !steps.empty() || readings.mean_angular_rate_in_body_rad_s;
+  rate_covariance_ = rate_covariance(has_gyro, dt_s, flow, reference);
   last_ = now;
   last_flow_.reset();
   if (flow.verdict == Verdict::ok) last_flow_ = flow;
+}
+
+// What the IMU's readings leave open.
+InertialStep FusedNavigator::uncovered_step(const SensorReadings& readings, double dt_s,
+                                            const NavigationEstimate& reference) const {
+  InertialStep step{
+      .dt_s = dt_s, .angular_rate_rad_s = {}, .is_gyro = false, .specific_force_m_s2 = {}};
+  if (readings.mean_angular_rate_in_body_rad_s) {
+    step.is_gyro = true;
+    step.angular_rate_rad_s =
+        body_from_camera_.rotation.conjugate() * *readings.mean_angular_rate_in_body_rad_s;
+  } else if (reference.reference->motion.twist_in_camera) {
+    step.angular_rate_rad_s = reference.reference->motion.twist_in_camera->angular_rate_rad_s;
+  }
+  return step;
+}
+
+// Of the mean rate since the last frame, by what told it.
+Eigen::Matrix3d FusedNavigator::rate_covariance(bool has_gyro, double dt_s,
+                                                const NavigationEstimate& flow,
+                                                const NavigationEstimate& reference) const {
+  if (follows_flow_) return flow.twist_covariance.bottomRightCorner<3, 3>();
+  if (has_gyro) {
+    return filter_.gyro_bias_covariance() +
+           config_.gyro_density * config_.gyro_density / dt_s * Eigen::Matrix3d::Identity();
+  }
+  return reference.reference->motion.twist_in_camera
+             ? Eigen::Matrix3d(reference.twist_covariance.bottomRightCorner<3, 3>())
+             : any_rate_covariance();
+}
+
+Eigen::Matrix3d FusedNavigator::any_rate_covariance() {
+  return kAnyRate_rad_s * kAnyRate_rad_s * Eigen::Matrix3d::Identity();
 }
 
 // The way since the last frame, of two answers whose common errors cancel; what the second is less
@@ -227,8 +262,7 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) c
   out.twist_in_camera = {R_t * out.velocity_in_world_m_s, rate_in_camera_rad_s_};
   out.twist_covariance.topLeftCorner<3, 3>() =
       R_t * filter_.velocity_covariance() * R_t.transpose();
-  out.twist_covariance.bottomRightCorner<3, 3>().diagonal().setConstant(config_.gyro_density *
-                                                                        config_.gyro_density);
+  out.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
   // metres that were merely guessed are none
   const bool is_metric = filter_.scale_sigma() < config_.metric_below_sigma_ratio;
   out.scale = is_metric ? scale_ : ScaleSource::none;

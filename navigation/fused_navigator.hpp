@@ -26,7 +26,12 @@ class FusedNavigator {
 
  private:
   void predict(const SensorReadings& readings, Timestamp now, const NavigationEstimate& flow,
-               const std::optional<Twist>& picture_rate);
+               const NavigationEstimate& reference);
+  [[nodiscard]] InertialStep uncovered_step(const SensorReadings& readings, double dt_s,
+                                            const NavigationEstimate& reference) const;
+  [[nodiscard]] Eigen::Matrix3d rate_covariance(bool has_gyro, double dt_s,
+                                                const NavigationEstimate& flow,
+                                                const NavigationEstimate& reference) const;
   [[nodiscard]] bool follow_flow(const NavigationEstimate& flow, double dt_s);
   void judge_ground(const ReferenceReport& reference);
   [[nodiscard]] bool see_flow(const NavigationEstimate& flow);
@@ -34,6 +39,7 @@ class FusedNavigator {
   void choose_landmarks();
   [[nodiscard]] double feature_sigma() const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
+  [[nodiscard]] static Eigen::Matrix3d any_rate_covariance();
 
   Camera camera_;
   RigidTransform body_from_camera_;
@@ -48,6 +54,7 @@ class FusedNavigator {
   bool is_ground_flat_ = false;
   bool follows_flow_ = false;  // since the last frame, for want of an IMU
   Eigen::Vector3d rate_in_camera_rad_s_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d rate_covariance_ = any_rate_covariance();
 };
 
 }  // namespace stillkite

@@ -143,3 +143,15 @@ function watchVisibility() {
   }, {rootMargin: '200px'});
   document.querySelectorAll('.plot').forEach(plot => observer.observe(plot));
 }
+
+// What is on the canvases is drawn anew by `redraw`; the charts see to themselves but for colours.
+function watchPage(redraw) {
+  byId('reset').addEventListener('click', () => setWindow(null, null));
+  window.addEventListener('resize', redraw);
+  window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    for (const chart of charts) {
+      chart.graph.updateOptions({colors: colorsOf(chart.lines), ...plotColors()});
+    }
+    redraw();
+  });
+}

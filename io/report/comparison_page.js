@@ -50,13 +50,5 @@ addComparedCharts('timing', [['estimator alone', 'ms', 'frame_ms']], {height: 20
 drawDifferences();
 drawCanvases();
 watchVisibility();
-
-byId('reset').addEventListener('click', () => setWindow(null, null));
-window.addEventListener('resize', drawCanvases);
-window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
-  for (const chart of charts) {
-    chart.graph.updateOptions({colors: colorsOf(chart.lines), ...plotColors()});
-  }
-  drawCanvases();
-});
+watchPage(drawCanvases);
 document.documentElement.dataset.ready = String(charts.length);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 
 #include "geometry/angle.hpp"
@@ -9,6 +10,7 @@
 #include "simulation/develop.hpp"
 #include "simulation/patch_renderer.hpp"
 #include "simulation/room_scene.hpp"
+#include "small_camera.hpp"
 
 namespace stillkite {
 namespace {
@@ -16,17 +18,6 @@ namespace {
 constexpr double kFramesPerSecond = 30;
 constexpr int kReadingsPerFrame = 7;
 const RigidTransform kForwardMount = camera_raised_forward(75);
-
-Camera fused_camera() {
-  return {.width_px = 400,
-          .height_px = 240,
-          .focal_x_px = 240,
-          .focal_y_px = 240,
-          .centre_x_px = 199.5,
-          .centre_y_px = 119.5,
-          .distortion = DistortionModel::radial_tangential,
-          .coefficients = {-0.2, 0.04, 1e-4, -1e-4}};
-}
 
 /// A level body that sways across the view and turns a little; at rest at time 0.
 struct Sway {
@@ -43,6 +34,12 @@ struct Sway {
   [[nodiscard]] static Eigen::Vector3d velocity_in_world_m_s(double t_s) {
     return {0, kReach_m * kRate_rad_s * std::sin(kRate_rad_s * t_s), 0};
   }
+  /// About the vertical, over the frame's interval that ends then.
+  [[nodiscard]] static double mean_rate_rad_s(double t_s) {
+    const double before_s = t_s - 1 / kFramesPerSecond;
+    return kTurn_rad * (std::cos(kRate_rad_s * before_s) - std::cos(kRate_rad_s * t_s)) *
+           kFramesPerSecond;
+  }
   [[nodiscard]] static InertialReading reading(double t_s) {
     const double phase = kRate_rad_s * t_s;
     const Eigen::Vector3d force(0, kReach_m * kRate_rad_s * kRate_rad_s * std::cos(phase), 9.80665);
@@ -57,14 +54,15 @@ class FusedFlight {
  public:
   explicit FusedFlight(double known_height_m = 3, Policy policy = Policy::fused)
       : scene_(make_room(5)),
-        renderer_(fused_camera(), 2),
-        navigator_(fused_camera(), kForwardMount, {},
+        renderer_(small_camera(), 2),
+        navigator_(small_camera(), kForwardMount, {},
                    {.world_from_body = {Eigen::Quaterniond::Identity(), {0, 0, known_height_m}},
                     .scale = ScaleSource::initial_height},
                    {.policy = policy}) {}
 
-  NavigationEstimate step(const cv::Mat& picture) {
+  NavigationEstimate step(const cv::Mat& picture, const InertialReading& bad = {}) {
     SensorReadings readings;
+    if (!bad.specific_force_in_body_m_s2.isZero()) readings.inertial.push_back(bad);
     readings.attitude = Sway::pose(time_s()).rotation;
     for (int i = 1; index_ > 0 && i <= kReadingsPerFrame; ++i) {
       const double since = (i - 0.5) / kReadingsPerFrame;
@@ -78,9 +76,11 @@ class FusedFlight {
     ++index_;
     return estimate;
   }
-  NavigationEstimate step() {
-    return step(develop(renderer_.render(scene_, Sway::pose(time_s()) * kForwardMount),
-                        {.noise_grey = 1.5}, static_cast<std::uint64_t>(index_)));
+  NavigationEstimate step() { return step(picture()); }
+  /// Of the next frame.
+  [[nodiscard]] cv::Mat picture() const {
+    return develop(renderer_.render(scene_, Sway::pose(time_s()) * kForwardMount),
+                   {.noise_grey = 1.5}, static_cast<std::uint64_t>(index_));
   }
   /// Of the next frame.
   [[nodiscard]] double time_s() const { return index_ / kFramesPerSecond; }
@@ -125,7 +125,13 @@ TEST(FusedNavigator, CoversItsErrors) {
   const NavigationEstimate first = flight.step();
   int outside = 0;
   for (int i = 1; i <= 120; ++i) {
+    const double t_s = flight.time_s();
     const NavigationEstimate estimate = flight.step();
+    const Eigen::Vector3d rate_error =
+        kForwardMount.rotation * estimate.twist_in_camera.angular_rate_rad_s -
+        Eigen::Vector3d(0, 0, Sway::mean_rate_rad_s(t_s));
+    EXPECT_LT(rate_error.norm(),
+              3 * std::sqrt(estimate.twist_covariance.bottomRightCorner<3, 3>().trace()));
     const Eigen::Vector3d error = way_error_m(first, estimate);
     const Eigen::Vector3d sigma = estimate.pose_covariance.diagonal().head<3>().cwiseSqrt();
     outside += (error.array().abs() > 3 * sigma.array() + 1e-3).any() ? 1 : 0;
@@ -150,6 +156,32 @@ TEST(FusedNavigator, GoesOnByInertiaInTheDark) {
   for (int i = 0; i < 20; ++i) after = flight.step();
   EXPECT_EQ(after.verdict, Verdict::ok);
   EXPECT_LT(way_error_m(first, after).norm(), 0.03);
+}
+
+// A reading that is no number is none; the others carry on.
+TEST(FusedNavigator, LeavesOutReadingsThatAreNoNumbers) {
+  FusedFlight flight;
+  const NavigationEstimate first = flight.step();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  NavigationEstimate estimate;
+  for (int i = 1; i <= 90; ++i) {
+    const InertialReading bad{.stamp = from_seconds(flight.time_s() - 0.02),
+                              .angular_rate_in_body_rad_s = {nan, 0, 0},
+                              .specific_force_in_body_m_s2 = {0, nan, 0}};
+    estimate = flight.step(flight.picture(), bad);
+    ASSERT_TRUE(estimate.world_from_body.translation.allFinite());
+    ASSERT_TRUE(estimate.twist_covariance.allFinite());
+  }
+  EXPECT_EQ(estimate.verdict, Verdict::ok);
+  EXPECT_LT(way_error_m(first, estimate).norm(), 0.03);
+}
+
+TEST(FusedNavigator, MoreLandmarksNeededThanThereAreIsAnError) {
+  NavigatorConfig config;
+  config.fusion.landmarks = 8;
+  EXPECT_THROW((Navigator(small_camera(), kForwardMount, config, {.world_from_body = Sway::pose(0)},
+                          {.policy = Policy::fused})),
+               InputError);
 }
 
 }  // namespace

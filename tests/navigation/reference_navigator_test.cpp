@@ -10,22 +10,12 @@
 #include "simulation/develop.hpp"
 #include "simulation/patch_renderer.hpp"
 #include "simulation/room_scene.hpp"
+#include "small_camera.hpp"
 
 namespace stillkite {
 namespace {
 
 const RigidTransform kMount = camera_raised_forward(80);
-
-Camera small_camera() {
-  return {.width_px = 400,
-          .height_px = 240,
-          .focal_x_px = 240,
-          .focal_y_px = 240,
-          .centre_x_px = 199.5,
-          .centre_y_px = 119.5,
-          .distortion = DistortionModel::radial_tangential,
-          .coefficients = {-0.2, 0.04, 1e-4, -1e-4}};
-}
 
 /// A camera in the room, its body level.
 class RoomView {

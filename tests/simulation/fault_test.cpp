@@ -10,6 +10,7 @@
 #include "geometry/euler.hpp"
 #include "simulation/fault_effects.hpp"
 #include "simulation/hover_trial.hpp"
+#include "small_hover_camera.hpp"
 
 namespace stillkite {
 namespace {
@@ -75,13 +76,7 @@ constexpr double kFaultDuration_s = 3;
 // The station goes 0.5 m out and back and the other way, at 0.2 m/s but for the turns.
 HoverConfig faulty_flight(FaultKind kind) {
   HoverConfig config;
-  SimulatedCameraConfig& camera = config.plant.camera;
-  camera.width_px = 400;
-  camera.height_px = 240;
-  camera.focal_x_px = camera.focal_y_px = 240;
-  camera.centre_x_px = 199.5;
-  camera.centre_y_px = 119.5;
-  camera.frames_per_s = 20;
+  config.plant.camera = small_hover_camera(400, 20);
   config.plant.station.level_reach_m = 0.5;
   config.plant.fault =
       FaultConfig{.kind = kind, .start_s = kFaultStart_s, .duration_s = kFaultDuration_s};

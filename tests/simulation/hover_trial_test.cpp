@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "evaluation/trial_statistics.hpp"
+#include "small_hover_camera.hpp"
 
 namespace stillkite {
 namespace {
@@ -12,13 +13,7 @@ namespace {
 // A short and coarse flight: the station goes 0.8 m out, back, and the other way.
 HoverConfig short_trials() {
   HoverConfig config;
-  SimulatedCameraConfig& camera = config.plant.camera;
-  camera.width_px = 400;
-  camera.height_px = 240;
-  camera.focal_x_px = camera.focal_y_px = 240;
-  camera.centre_x_px = 199.5;
-  camera.centre_y_px = 119.5;
-  camera.frames_per_s = 10;
+  config.plant.camera = small_hover_camera(400, 10);
   config.plant.station.level_reach_m = 0.8;
   return config;
 }

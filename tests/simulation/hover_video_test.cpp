@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation/camera_mount.hpp"
+#include "small_hover_camera.hpp"
 
 namespace stillkite {
 namespace {
@@ -13,13 +14,7 @@ namespace {
 // A small camera of 10 Hz 3 m over a floor.
 HoverConfig small_video() {
   HoverConfig config;
-  SimulatedCameraConfig& camera = config.plant.camera;
-  camera.width_px = 200;
-  camera.height_px = 120;
-  camera.focal_x_px = camera.focal_y_px = 120;
-  camera.centre_x_px = 99.5;
-  camera.centre_y_px = 59.5;
-  camera.frames_per_s = 10;
+  config.plant.camera = small_hover_camera(200, 10);
   return config;
 }
 
