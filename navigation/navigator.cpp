@@ -4,6 +4,7 @@
 
 #include <variant>
 
+#include "navigation/best_navigator.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/fused_navigator.hpp"
 #include "navigation/keyframe_navigator.hpp"
@@ -13,7 +14,8 @@
 namespace stillkite {
 namespace {
 
-using Method = std::variant<KeyframeNavigator, PaperNavigator, ReferenceNavigator, FusedNavigator>;
+using Method = std::variant<KeyframeNavigator, PaperNavigator, ReferenceNavigator, BestNavigator,
+                            FusedNavigator>;
 
 Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
                    const NavigatorConfig& config, const InitialState& initial,
@@ -30,6 +32,9 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
   }
   if (estimator.policy == Policy::reference) {
     return ReferenceNavigator(camera, body_from_camera, config, initial, estimator.mode);
+  }
+  if (estimator.policy == Policy::best) {
+    return BestNavigator(camera, body_from_camera, config, initial, estimator.mode);
   }
   if (estimator.policy == Policy::fused) {
     return FusedNavigator(camera, body_from_camera, config, initial, estimator.mode);
@@ -67,8 +72,8 @@ Navigator::~Navigator() = default;
 Navigator::Navigator(Navigator&&) noexcept = default;
 Navigator& Navigator::operator=(Navigator&&) noexcept = default;
 
-// A frame's journey is that of its method: KeyframeNavigator::step, PaperNavigator::step or
-// ReferenceNavigator::step.
+// A frame's journey is that of its method: KeyframeNavigator::step, PaperNavigator::step,
+// ReferenceNavigator::step, BestNavigator::step or FusedNavigator::step.
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
   check_picture(frame, state_->camera);
   const FrameInterval interval = state_->clock.pass(frame);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "estimation/estimate_choice.hpp"
 #include "estimation/fusion_config.hpp"
 #include "estimation/keyframe_pose.hpp"
 #include "estimation/motion_filter.hpp"
@@ -19,11 +20,14 @@ struct EnumNames<Mode> {
 };
 
 /// Which estimator's motion is the answer.
-enum class Policy { flow, reference, fused };
+enum class Policy { flow, reference, best, fused };
 template <>
 struct EnumNames<Policy> {
-  static constexpr auto value = std::to_array<std::pair<Policy, std::string_view>>(
-      {{Policy::flow, "flow"}, {Policy::reference, "reference"}, {Policy::fused, "fused"}});
+  static constexpr auto value =
+      std::to_array<std::pair<Policy, std::string_view>>({{Policy::flow, "flow"},
+                                                          {Policy::reference, "reference"},
+                                                          {Policy::best, "best"},
+                                                          {Policy::fused, "fused"}});
 };
 
 struct EstimatorConfig {
@@ -106,8 +110,8 @@ struct SensorConfig {
 };
 
 /// Everything a navigator can be told. `readout_s` to `filter` are the recommended mode's, `paper`
-/// is the flow paper's. The keys of the reference estimator and of the fusion are listed beside
-/// these, not among them.
+/// is the flow paper's. The keys of the reference estimator, of the choice and of the fusion are
+/// listed beside these, not among them.
 struct NavigatorConfig {
   double readout_s = 0;
   double initial_tilt_sigma_rad = 0.0175;
@@ -119,6 +123,7 @@ struct NavigatorConfig {
   SensorConfig sensors;
   TrustConfig trust;
   ReferenceConfig reference;
+  EstimateChoiceConfig choice;
   FusionConfig fusion;
 
   static void fields(auto& self, auto&& field) {

@@ -77,6 +77,7 @@ struct HoverConfig {
     field("estimator", self.estimator, "how the motion is found");
     field("navigator", self.navigator, "the flow navigator");
     field("reference", self.navigator.reference, "the reference estimator");
+    field("choice", self.navigator.choice, "of either estimator's answer, frame by frame");
     field("fusion", self.navigator.fusion, "both estimators in one filter");
     field("hold", self.hold, "the controller");
   }

@@ -1,0 +1,133 @@
+#include "estimation/estimate_choice.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "geometry/angle.hpp"
+
+namespace stillkite {
+namespace {
+
+bool is_usable(const MotionEstimate& motion) {
+  return motion.status == EstimateStatus::ok && motion.reference_from_camera.coeffs().allFinite() &&
+         motion.rotation_covariance.allFinite() && motion.displacement_in_reference.allFinite() &&
+         motion.displacement_covariance.allFinite();
+}
+
+RigidTransform pose_of(const MotionEstimate& motion) {
+  return {motion.reference_from_camera, motion.displacement_in_reference};
+}
+
+Eigen::Quaterniond rotation_by_reference(const EstimatePair& estimates) {
+  return estimates.start_from_reference.rotation * estimates.reference.reference_from_camera;
+}
+
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Eigen::Quaterniond& rotation) {
+  const Eigen::Matrix3d R = rotation.toRotationMatrix();
+  return R * covariance * R.transpose();
+}
+
+// e^T (P + floor^2 I)^-1 e <= k^2
+bool is_within(const Eigen::Vector3d& error, const Eigen::Matrix3d& P, double floor,
+               double sigmas) {
+  const Eigen::LDLT<Eigen::Matrix3d> factors(P + floor * floor * Eigen::Matrix3d::Identity());
+  return factors.info() == Eigen::Success && error.dot(factors.solve(error)) <= sigmas * sigmas;
+}
+
+// Of a way from the reference what the reference contradicts: all of it where the reference has not
+// moved or has gone the other way, else what is across its direction.
+Eigen::Vector3d contradicted(const Eigen::Vector3d& way_in_start, const EstimatePair& estimates) {
+  const MotionEstimate& reference = estimates.reference;
+  if (reference.displacement_kind == DisplacementKind::unknown) return Eigen::Vector3d::Zero();
+  if (reference.displacement_kind == DisplacementKind::zero) return way_in_start;
+  const Eigen::Vector3d direction = estimates.start_from_reference.rotation *
+                                    reference.displacement_in_reference.stableNormalized();
+  return way_in_start - std::max(0.0, direction.dot(way_in_start)) * direction;
+}
+
+}  // namespace
+
+EstimateDecision EstimateChoice::step(const EstimatePair& estimates) {
+  const bool is_flow_ok = is_usable(estimates.flow);
+  const bool is_reference_ok = is_usable(estimates.reference);
+  // the answers that were given meanwhile, not what the flow took the camera for while it was blind
+  if (is_flow_ok && !was_flow_ok_ && decision_.source == EstimateSource::reference) {
+    resume_flow(estimates.flow);
+  }
+  if (is_flow_ok && is_reference_ok) {
+    choose(estimates);
+  } else if (is_flow_ok || is_reference_ok) {
+    take(is_flow_ok ? EstimateSource::flow : EstimateSource::reference);
+  }
+  // 4. Where the camera is by it: a flow that is lost predicts, the reference has no place.
+  const bool is_flow_chosen = decision_.source == EstimateSource::flow;
+  const RigidTransform flow = decision_.home_from_flow * pose_of(estimates.flow);
+  if (is_flow_ok) decision_.start_from_camera.translation = flow.translation;
+  if (is_flow_chosen && is_finite_pose(estimates.flow)) decision_.start_from_camera = flow;
+  if (!is_flow_chosen && is_reference_ok) {
+    decision_.start_from_camera.rotation = rotation_by_reference(estimates);
+  }
+  was_flow_ok_ = is_flow_ok;
+  return decision_;
+}
+
+// Both are ok: the other one has to be the better for some frames in a row.
+void EstimateChoice::choose(const EstimatePair& estimates) {
+  const bool is_flow_chosen = decision_.source == EstimateSource::flow;
+  if (estimates.relief_ratio) {
+    is_ground_flat_ = *estimates.relief_ratio <= config_.max_relief_ratio;
+  }
+  // a flow that was interrupted, or is not believed, goes on from what the reference says
+  if (!was_flow_ok_) hand_over(estimates);
+  const bool is_flow_preferred = is_ground_flat_ && agree(estimates);
+  frames_for_other_ = is_flow_preferred == is_flow_chosen ? 0 : frames_for_other_ + 1;
+  const bool is_due = frames_for_other_ >= config_.patience_frames;
+  if (!is_flow_chosen && (is_due || !is_flow_preferred)) hand_over(estimates);
+  if (is_due) take(is_flow_chosen ? EstimateSource::reference : EstimateSource::flow);
+}
+
+bool EstimateChoice::agree(const EstimatePair& estimates) const {
+  const MotionEstimate& reference = estimates.reference;
+  const Eigen::Quaterniond& turn_of_flow = decision_.home_from_flow.rotation;
+  const Eigen::Quaterniond& turn_of_reference = estimates.start_from_reference.rotation;
+  const RigidTransform flow = decision_.home_from_flow * pose_of(estimates.flow);
+  const Eigen::Vector3d turn =
+      so3_log(flow.rotation * rotation_by_reference(estimates).conjugate());
+  const Eigen::Matrix3d turn_covariance = turned(estimates.flow.rotation_covariance, turn_of_flow) +
+                                          turned(reference.rotation_covariance, turn_of_reference);
+  const Eigen::Vector3d way = flow.translation - estimates.start_from_reference.translation;
+  const Eigen::Matrix3d way_covariance =
+      turned(estimates.flow.displacement_covariance, turn_of_flow) +
+      way.squaredNorm() * turned(reference.displacement_covariance, turn_of_reference);
+  return is_within(turn, turn_covariance, config_.rotation_sigma_deg * kDegree,
+                   config_.agreement_sigmas) &&
+         is_within(contradicted(way, estimates), way_covariance,
+                   config_.way_sigma_ratio * estimates.start_height, config_.agreement_sigmas);
+}
+
+// Rotation as the reference has it; of the way what it does not contradict, d d^T c along its
+// direction. That part is believed no better than the part across was wrong.
+void EstimateChoice::hand_over(const EstimatePair& estimates) {
+  const Eigen::Vector3d& origin = estimates.start_from_reference.translation;
+  const Eigen::Vector3d place = (decision_.home_from_flow * pose_of(estimates.flow)).translation;
+  const Eigen::Vector3d dropped = contradicted(place - origin, estimates);
+  const RigidTransform wanted{rotation_by_reference(estimates), place - dropped};
+  decision_.home_from_flow = wanted * pose_of(estimates.flow).inverse();
+  decision_.home_from_flow.rotation.normalize();
+  decision_.correction_covariance.setZero();
+  decision_.correction_covariance.diagonal().head<3>().setConstant(dropped.squaredNorm());
+  decision_.correction_covariance.bottomRightCorner<3, 3>() =
+      turned(estimates.reference.rotation_covariance, estimates.start_from_reference.rotation);
+}
+
+void EstimateChoice::resume_flow(const MotionEstimate& flow) {
+  decision_.home_from_flow.translation += decision_.start_from_camera.translation -
+                                          (decision_.home_from_flow * pose_of(flow)).translation;
+}
+
+void EstimateChoice::take(EstimateSource source) {
+  decision_.source = source;
+  frames_for_other_ = 0;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,119 @@
+#include "navigation/best_navigator.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "estimation/ground_relief.hpp"
+
+namespace stillkite {
+namespace {
+
+// Systematic errors of a feature's place: interpolation, the lens.
+constexpr double kFeatureSigma_px = 0.3;
+
+EstimateStatus status_of_flow(Verdict verdict) {
+  const bool is_measured = verdict == Verdict::ok || verdict == Verdict::first_frame;
+  return is_measured ? EstimateStatus::ok : EstimateStatus::lost;
+}
+
+// Seen from the camera at the start, in heights where there are no metres.
+MotionEstimate flow_motion(const NavigationEstimate& flow, const RigidTransform& world_from_start,
+                           const RigidTransform& body_from_camera) {
+  const RigidTransform start_from_camera =
+      world_from_start.inverse() * (flow.world_from_body * body_from_camera);
+  const Eigen::Matrix3d R = world_from_start.rotation.conjugate().toRotationMatrix();
+  MotionEstimate motion;
+  motion.stamp = flow.stamp;
+  motion.source = EstimateSource::flow;
+  motion.status = status_of_flow(flow.verdict);
+  motion.reference_from_camera = start_from_camera.rotation;
+  motion.rotation_covariance = R * flow.pose_covariance.bottomRightCorner<3, 3>() * R.transpose();
+  motion.displacement_kind =
+      flow.scale == ScaleSource::none ? DisplacementKind::unknown : DisplacementKind::metric;
+  motion.displacement_in_reference = start_from_camera.translation;
+  motion.displacement_covariance = R * flow.pose_covariance.topLeftCorner<3, 3>() * R.transpose();
+  return motion;
+}
+
+// The inverse of how motion_from in the reference navigator turns a pose into a motion.
+RelativePose relative_pose(const MotionEstimate& motion) {
+  const Eigen::Quaterniond current_from_reference = motion.reference_from_camera.conjugate();
+  return {current_from_reference, -(current_from_reference * motion.displacement_in_reference)};
+}
+
+Matrix6d both_turned(const Matrix6d& covariance, const Eigen::Quaterniond& rotation) {
+  Matrix6d R = Matrix6d::Zero();
+  R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = rotation.toRotationMatrix();
+  return R * covariance * R.transpose();
+}
+
+}  // namespace
+
+BestNavigator::BestNavigator(const Camera& camera, const RigidTransform& body_from_camera,
+                             const NavigatorConfig& config, const InitialState& initial, Mode mode)
+    : camera_(camera),
+      body_from_camera_(body_from_camera),
+      flow_(mode == Mode::paper
+                ? FlowNavigator(PaperNavigator(camera, body_from_camera, config, initial))
+                : FlowNavigator(KeyframeNavigator(camera, body_from_camera, config, initial))),
+      reference_(camera, body_from_camera, config, initial, mode),
+      choice_(config.choice) {}
+
+NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& interval,
+                                       const SensorReadings& readings) {
+  // 1. Either estimator by itself.
+  const NavigationEstimate flow =
+      std::visit([&](auto& method) { return method.step(frame, interval, readings); }, flow_);
+  const NavigationEstimate reference = reference_.step(frame, interval, readings);
+  // 2. Which of them is to be believed, and where the camera is by it.
+  if (!world_from_start_) world_from_start_ = flow.world_from_body * body_from_camera_;
+  decision_ = choice_.step(pair_of(flow, reference));
+  // 3. A new reference is where the answer has the camera.
+  if (reference.reference->new_reference) start_from_reference_ = decision_.start_from_camera;
+  return answer(flow, reference);
+}
+
+EstimatePair BestNavigator::pair_of(const NavigationEstimate& flow,
+                                    const NavigationEstimate& reference) const {
+  return {.flow = flow_motion(flow, *world_from_start_, body_from_camera_),
+          .reference = reference.reference->motion,
+          .start_from_reference = start_from_reference_,
+          .relief_ratio = relief_ratio(*reference.reference),
+          .start_height = world_from_start_->translation.z()};
+}
+
+std::optional<double> BestNavigator::relief_ratio(const ReferenceReport& report) const {
+  const Eigen::Quaterniond world_from_reference =
+      world_from_start_->rotation * start_from_reference_.rotation;
+  const double sigma_px = std::max(kFeatureSigma_px, report.residual_px);
+  return ground_relief(reference_.bearings().pairs, reference_.inliers(),
+                       relative_pose(report.motion),
+                       -(world_from_reference.conjugate() * Eigen::Vector3d::UnitZ()),
+                       sigma_px / camera_.focal_x_px);
+}
+
+NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,
+                                         const NavigationEstimate& reference) const {
+  const bool is_flow = decision_.source == EstimateSource::flow;
+  NavigationEstimate out = is_flow ? flow : reference;
+  const RigidTransform world_from_camera = *world_from_start_ * decision_.start_from_camera;
+  out.world_from_body = world_from_camera * body_from_camera_.inverse();
+  if (is_flow) {
+    const Eigen::Quaterniond& turn = decision_.home_from_flow.rotation;
+    const Eigen::Quaterniond& world = world_from_start_->rotation;
+    out.velocity_in_world_m_s = world_from_camera.rotation * flow.twist_in_camera.velocity_m_s;
+    out.pose_covariance = both_turned(flow.pose_covariance, world * turn * world.conjugate()) +
+                          both_turned(decision_.correction_covariance, world);
+  }
+  out.reference = reference.reference;
+  std::transform(flow.stage_ms.begin(), flow.stage_ms.end(), reference.stage_ms.begin(),
+                 out.stage_ms.begin(), std::plus<>());
+  return out;
+}
+
+std::vector<WindowFlow> BestNavigator::windows() const {
+  if (decision_.source == EstimateSource::reference) return reference_.windows();
+  return std::visit([](const auto& method) { return method.windows(); }, flow_);
+}
+
+}  // namespace stillkite
