@@ -8,10 +8,14 @@
 namespace stillkite {
 namespace {
 
+bool is_finite_pose(const MotionEstimate& motion) {
+  return motion.reference_from_camera.coeffs().allFinite() &&
+         motion.displacement_in_reference.allFinite();
+}
+
 bool is_usable(const MotionEstimate& motion) {
-  return motion.status == EstimateStatus::ok && motion.reference_from_camera.coeffs().allFinite() &&
-         motion.rotation_covariance.allFinite() && motion.displacement_in_reference.allFinite() &&
-         motion.displacement_covariance.allFinite();
+  return motion.status == EstimateStatus::ok && is_finite_pose(motion) &&
+         motion.rotation_covariance.allFinite() && motion.displacement_covariance.allFinite();
 }
 
 RigidTransform pose_of(const MotionEstimate& motion) {
@@ -50,16 +54,19 @@ Eigen::Vector3d contradicted(const Eigen::Vector3d& way_in_start, const Estimate
 EstimateDecision EstimateChoice::step(const EstimatePair& estimates) {
   const bool is_flow_ok = is_usable(estimates.flow);
   const bool is_reference_ok = is_usable(estimates.reference);
-  // the answers that were given meanwhile, not what the flow took the camera for while it was blind
+  // 1. The flow goes on from the answers given meanwhile, not from where it had coasted.
   if (is_flow_ok && !was_flow_ok_ && decision_.source == EstimateSource::reference) {
     resume_flow(estimates.flow);
   }
+  // 2. Who is alone is taken at once; not a flow that takes a scene with depth for flat ground.
+  if (is_flow_ok) judge_ground(estimates);
   if (is_flow_ok && is_reference_ok) {
     choose(estimates);
   } else if (is_flow_ok || is_reference_ok) {
-    take(is_flow_ok ? EstimateSource::flow : EstimateSource::reference);
+    const bool is_flow_taken = is_flow_ok && is_ground_flat_;
+    take(is_flow_taken ? EstimateSource::flow : EstimateSource::reference);
   }
-  // 4. Where the camera is by it: a flow that is lost predicts, the reference has no place.
+  // 3. Where the camera is by it: a lost flow predicts, the reference's place is carried on.
   const bool is_flow_chosen = decision_.source == EstimateSource::flow;
   const RigidTransform flow = decision_.home_from_flow * pose_of(estimates.flow);
   if (is_flow_ok) decision_.start_from_camera.translation = flow.translation;
@@ -71,18 +78,27 @@ EstimateDecision EstimateChoice::step(const EstimatePair& estimates) {
   return decision_;
 }
 
+// What too little parallax leaves open is as it was.
+void EstimateChoice::judge_ground(const EstimatePair& estimates) {
+  const auto shows_flat_ground = [&](const std::optional<double>& ratio) {
+    return ratio && *ratio <= config_.max_relief_ratio;
+  };
+  is_flow_seen_ = shows_flat_ground(estimates.misfit_ratio);
+  if (estimates.relief_ratio || is_flow_seen_) {
+    is_ground_flat_ = is_flow_seen_ || shows_flat_ground(estimates.relief_ratio);
+  }
+}
+
 // Both are ok: the other one has to be the better for some frames in a row.
 void EstimateChoice::choose(const EstimatePair& estimates) {
   const bool is_flow_chosen = decision_.source == EstimateSource::flow;
-  if (estimates.relief_ratio) {
-    is_ground_flat_ = *estimates.relief_ratio <= config_.max_relief_ratio;
-  }
   // a flow that was interrupted, or is not believed, goes on from what the reference says
-  if (!was_flow_ok_) hand_over(estimates);
-  const bool is_flow_preferred = is_ground_flat_ && agree(estimates);
+  if (!was_flow_ok_ && !is_flow_seen_) hand_over(estimates);
+  const bool does_agree = is_ground_flat_ && agree(estimates);
+  const bool is_flow_preferred = is_flow_seen_ || does_agree;
   frames_for_other_ = is_flow_preferred == is_flow_chosen ? 0 : frames_for_other_ + 1;
   const bool is_due = frames_for_other_ >= config_.patience_frames;
-  if (!is_flow_chosen && (is_due || !is_flow_preferred)) hand_over(estimates);
+  if (!is_flow_chosen && (is_due ? does_agree : !is_flow_preferred)) hand_over(estimates);
   if (is_due) take(is_flow_chosen ? EstimateSource::reference : EstimateSource::flow);
 }
 

@@ -14,8 +14,8 @@ struct EstimateChoiceConfig {
   double agreement_sigmas = 3;
   double rotation_sigma_deg = 1;
   double way_sigma_ratio = 0.02;
-  double max_relief_ratio = 0.15;
-  int patience_frames = 5;
+  double max_relief_ratio = 0.2;
+  int patience_frames = 10;
 
   static void fields(auto& self, auto&& field) {
     field("agreement_sigmas", self.agreement_sigmas, Range{0.1, 100},
@@ -39,6 +39,7 @@ struct EstimatePair {
   MotionEstimate reference;  ///< from the reference frame's camera
   RigidTransform start_from_reference;  ///< where that one was, as it was answered then
   std::optional<double> relief_ratio;   ///< `ground_relief` of the reference's features
+  std::optional<double> misfit_ratio;   ///< their `ground_misfit` to the flow's corrected motion
   double start_height = 1;              ///< in the unit of the flow's way
 };
 
@@ -61,6 +62,7 @@ class EstimateChoice {
   EstimateDecision step(const EstimatePair& estimates);
 
  private:
+  void judge_ground(const EstimatePair& estimates);
   void choose(const EstimatePair& estimates);
   [[nodiscard]] bool agree(const EstimatePair& estimates) const;
   void hand_over(const EstimatePair& estimates);
@@ -69,8 +71,9 @@ class EstimateChoice {
 
   EstimateChoiceConfig config_;
   EstimateDecision decision_;
-  int frames_for_other_ = 0;  // in a row
-  bool is_ground_flat_ = true;
+  int frames_for_other_ = 0;    // in a row
+  bool is_ground_flat_ = true;  // as far as the features have shown
+  bool is_flow_seen_ = false;   // they are where the flow's motion takes them
   bool was_flow_ok_ = true;
 };
 

@@ -52,6 +52,11 @@ std::optional<double> way_over_height(const std::vector<SeenDepth>& seen) {
   return upper_median(std::move(ratios));
 }
 
+// Without a point in front of the camera: as far as can be.
+double miss(const Eigen::Vector2d& seen, const Eigen::Vector3d& expected) {
+  return expected.z() > 1e-6 ? (seen - expected.hnormalized()).norm() : 1e3;
+}
+
 }  // namespace
 
 std::optional<double> ground_relief(const std::vector<BearingPair>& pairs,
@@ -73,6 +78,28 @@ std::optional<double> ground_relief(const std::vector<BearingPair>& pairs,
   const double shift = upper_median(std::move(shifts));
   if (!(shift > kLeastParallax_sigmas * sigma)) return std::nullopt;
   return upper_median(std::move(unexplained)) / shift;
+}
+
+std::optional<double> ground_misfit(const std::vector<BearingPair>& pairs,
+                                    const RigidTransform& current_from_reference,
+                                    const Eigen::Vector3d& normal_in_reference, double height,
+                                    double sigma) {
+  if (pairs.size() < kFewestSeen || !(height > 0)) return std::nullopt;
+  std::vector<double> by_rotation;
+  std::vector<double> by_motion;
+  by_rotation.reserve(pairs.size());
+  by_motion.reserve(pairs.size());
+  for (const BearingPair& pair : pairs) {
+    const Eigen::Vector3d a = pair.reference.homogeneous();
+    const double inverse_depth = std::max(0.0, normal_in_reference.dot(a)) / height;
+    const Eigen::Vector3d turned_a = current_from_reference.rotation * a;
+    by_rotation.push_back(miss(pair.current, turned_a));
+    by_motion.push_back(
+        miss(pair.current, turned_a + inverse_depth * current_from_reference.translation));
+  }
+  const double shift = upper_median(std::move(by_rotation));
+  if (!(shift > kLeastParallax_sigmas * sigma)) return std::nullopt;
+  return upper_median(std::move(by_motion)) / shift;
 }
 
 }  // namespace stillkite

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "estimation/relative_pose.hpp"
+#include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
 
@@ -20,5 +21,14 @@ namespace stillkite {
                                                   const RelativePose& pose,
                                                   const Eigen::Vector3d& normal_in_reference,
                                                   double sigma);
+
+/// The same of a motion in metres: the median of what is left between the features and where the
+/// homography H = R + t n^T / h takes them, over the median of what is left by R alone.
+/// `height`: of the reference camera, in the unit of t. Nothing where that is below five times the
+/// noise.
+[[nodiscard]] std::optional<double> ground_misfit(const std::vector<BearingPair>& pairs,
+                                                  const RigidTransform& current_from_reference,
+                                                  const Eigen::Vector3d& normal_in_reference,
+                                                  double height, double sigma);
 
 }  // namespace stillkite

@@ -75,21 +75,26 @@ NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& 
 
 EstimatePair BestNavigator::pair_of(const NavigationEstimate& flow,
                                     const NavigationEstimate& reference) const {
-  return {.flow = flow_motion(flow, *world_from_start_, body_from_camera_),
-          .reference = reference.reference->motion,
-          .start_from_reference = start_from_reference_,
-          .relief_ratio = relief_ratio(*reference.reference),
-          .start_height = world_from_start_->translation.z()};
-}
-
-std::optional<double> BestNavigator::relief_ratio(const ReferenceReport& report) const {
-  const Eigen::Quaterniond world_from_reference =
-      world_from_start_->rotation * start_from_reference_.rotation;
-  const double sigma_px = std::max(kFeatureSigma_px, report.residual_px);
-  return ground_relief(reference_.bearings().pairs, reference_.inliers(),
-                       relative_pose(report.motion),
-                       -(world_from_reference.conjugate() * Eigen::Vector3d::UnitZ()),
-                       sigma_px / camera_.focal_x_px);
+  const ReferenceReport& report = *reference.reference;
+  EstimatePair pair{.flow = flow_motion(flow, *world_from_start_, body_from_camera_),
+                    .reference = report.motion,
+                    .start_from_reference = start_from_reference_,
+                    .relief_ratio = {},
+                    .misfit_ratio = {},
+                    .start_height = world_from_start_->translation.z()};
+  const RigidTransform world_from_reference = *world_from_start_ * start_from_reference_;
+  const Eigen::Vector3d normal =
+      -(world_from_reference.rotation.conjugate() * Eigen::Vector3d::UnitZ());
+  const double sigma = std::max(kFeatureSigma_px, report.residual_px) / camera_.focal_x_px;
+  const std::vector<BearingPair>& pairs = reference_.bearings().pairs;
+  const RigidTransform start_from_camera =
+      decision_.home_from_flow *
+      RigidTransform{pair.flow.reference_from_camera, pair.flow.displacement_in_reference};
+  pair.relief_ratio =
+      ground_relief(pairs, reference_.inliers(), relative_pose(report.motion), normal, sigma);
+  pair.misfit_ratio = ground_misfit(pairs, start_from_camera.inverse() * start_from_reference_,
+                                    normal, world_from_reference.translation.z(), sigma);
+  return pair;
 }
 
 NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,

@@ -29,7 +29,6 @@ class BestNavigator {
 
   [[nodiscard]] EstimatePair pair_of(const NavigationEstimate& flow,
                                      const NavigationEstimate& reference) const;
-  [[nodiscard]] std::optional<double> relief_ratio(const ReferenceReport& report) const;
   [[nodiscard]] NavigationEstimate answer(const NavigationEstimate& flow,
                                           const NavigationEstimate& reference) const;
 

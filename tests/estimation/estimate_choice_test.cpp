@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kPatience = 5;
+const int kPatience = EstimateChoiceConfig{}.patience_frames;
 constexpr double kHeight_m = 3;
 
 MotionEstimate flow_at(const Vector3d& way_m, double yaw_deg = 0) {
@@ -39,11 +39,12 @@ MotionEstimate lost(MotionEstimate motion) {
 }
 
 EstimatePair seen(const MotionEstimate& flow, const MotionEstimate& reference,
-                  std::optional<double> relief_ratio = 0) {
+                  std::optional<double> relief_ratio = 0, std::optional<double> misfit_ratio = {}) {
   return {.flow = flow,
           .reference = reference,
           .start_from_reference = {},
           .relief_ratio = relief_ratio,
+          .misfit_ratio = misfit_ratio,
           .start_height = kHeight_m};
 }
 
@@ -100,6 +101,26 @@ TEST(EstimateChoice, KnowsOfReliefUntilParallaxTellsOtherwise) {
   EXPECT_EQ(source_after(choice, seen(flow, reference, 0.05), kPatience - 1),
             EstimateSource::reference);
   EXPECT_EQ(source_after(choice, seen(flow, reference, 0.05), 1), EstimateSource::flow);
+}
+
+// A reference whose pose is a false one, on a plane an essential matrix often is.
+TEST(EstimateChoice, TakesTheFlowWhileTheFeaturesAreWhereItTakesThem) {
+  EstimateChoice choice({});
+  const EstimatePair false_pose = seen(flow_at(kAhead), reference_towards(kAside, 10), 0.9, 0.05);
+  EXPECT_EQ(source_after(choice, false_pose, 20), EstimateSource::flow);
+  EXPECT_TRUE(choice.step(false_pose).home_from_flow.translation.isZero());
+  const EstimatePair true_pose = seen(flow_at(kAhead), reference_towards(kAside, 10), 0.9, 0.9);
+  EXPECT_EQ(source_after(choice, true_pose, 20), EstimateSource::reference);
+}
+
+TEST(EstimateChoice, TakesNoFlowInADepthThatHasShown) {
+  EstimateChoice choice({});
+  const MotionEstimate flow = flow_at(kAhead);
+  const MotionEstimate reference = reference_towards(kAhead);
+  EXPECT_EQ(source_after(choice, seen(flow, reference, 0.5), 20), EstimateSource::reference);
+  EXPECT_EQ(source_after(choice, seen(flow, lost(reference), {}), 20), EstimateSource::reference);
+  // until the features are where it takes them
+  EXPECT_EQ(source_after(choice, seen(flow, lost(reference), {}, 0.1), 1), EstimateSource::flow);
 }
 
 TEST(EstimateChoice, DoesNotChatter) {

@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "geometry/angle.hpp"
+#include "navigation/navigator.hpp"
+#include "rendered_flight.hpp"
+#include "simulation/camera_mount.hpp"
+#include "simulation/develop.hpp"
+#include "simulation/patch_renderer.hpp"
+#include "simulation/room_scene.hpp"
+#include "small_camera.hpp"
+
+namespace stillkite {
+namespace {
+
+using test::rendered_flight;
+
+Navigator best_over_ground(Mode mode = Mode::recommended) {
+  const test::RenderedFlight& flight = rendered_flight();
+  return {flight.record.camera,
+          flight.record.body_from_camera,
+          {},
+          flight.start(),
+          {.policy = Policy::best, .mode = mode}};
+}
+
+Frame blinded(const Frame& frame) {
+  return {frame.stamp, frame.index, cv::Mat::zeros(frame.grey.size(), CV_8UC1)};
+}
+
+TEST(BestNavigator, GoesWithTheFlowInMetresOverFlatGround) {
+  const test::RenderedFlight& flight = rendered_flight();
+  Navigator navigator = best_over_ground();
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const NavigationEstimate estimate = navigator.step(flight.frames[i]);
+    EXPECT_EQ(estimate.verdict, i == 0 ? Verdict::first_frame : Verdict::ok) << i;
+    EXPECT_EQ(estimate.source, EstimateSource::flow) << i;
+    EXPECT_EQ(estimate.scale, ScaleSource::initial_height) << i;
+    EXPECT_TRUE(estimate.reference) << i;
+    const Eigen::Vector3d error =
+        estimate.world_from_body.translation - flight.truth(i).translation;
+    EXPECT_LT(error.norm(), 0.1) << i;
+  }
+}
+
+// Either is lost, whoever speaks, and then the flight goes on where it is.
+TEST(BestNavigator, GoesOnAfterTheCameraWasCovered) {
+  const test::RenderedFlight& flight = rendered_flight();
+  Navigator navigator = best_over_ground();
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const bool is_covered = i >= 20 && i < 26;
+    const NavigationEstimate estimate =
+        navigator.step(is_covered ? blinded(flight.frames[i]) : flight.frames[i]);
+    EXPECT_TRUE(estimate.world_from_body.translation.allFinite());
+    if (i > 0 && i < 26) {
+      EXPECT_EQ(estimate.verdict == Verdict::ok, !is_covered) << i;
+    }
+    if (i < 28) continue;
+    EXPECT_EQ(estimate.verdict, Verdict::ok) << i;
+    const Eigen::Vector3d error =
+        estimate.world_from_body.translation - flight.truth(i).translation;
+    EXPECT_LT(error.norm(), 0.5) << i;
+    EXPECT_LT(
+        angle_between_rad(estimate.world_from_body.rotation, flight.truth(i).rotation) / kDegree,
+        0.5)
+        << i;
+  }
+}
+
+TEST(BestNavigator, RunsThePapersFlowInItsMode) {
+  Navigator navigator = best_over_ground(Mode::paper);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const NavigationEstimate estimate = navigator.step(rendered_flight().frames[i]);
+    EXPECT_EQ(estimate.source, EstimateSource::flow) << i;
+    EXPECT_EQ(estimate.measured_twist.has_value(), i > 0) << "as only the paper's mode has it";
+  }
+}
+
+/// A level body that sways across the view of a room, and turns a little.
+class SwayInRoom {
+ public:
+  [[nodiscard]] static RigidTransform pose(int frame) {
+    const double phase = frame / 15.0;
+    const double yaw_rad = 0.05 * (1 - std::cos(phase));
+    return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())),
+            Eigen::Vector3d(0, 0.25 * (1 - std::cos(phase)), 3)};
+  }
+
+  NavigationEstimate step(bool is_covered = false) {
+    cv::Mat picture = cv::Mat::zeros(240, 400, CV_8UC1);
+    if (!is_covered) {
+      picture = develop(renderer_.render(scene_, pose(index_) * mount_), {.noise_grey = 1.5},
+                        static_cast<std::uint64_t>(index_));
+    }
+    const Frame frame{.stamp = from_seconds(index_ / 30.0), .index = index_, .grey = picture};
+    ++index_;
+    return navigator_.step(frame);
+  }
+
+ private:
+  RigidTransform mount_ = camera_raised_forward(75);
+  PatchScene scene_ = make_room(5);
+  PatchRenderer renderer_{small_camera(), 2};
+  Navigator navigator_{small_camera(),
+                       mount_,
+                       {},
+                       {.world_from_body = pose(0), .scale = ScaleSource::initial_height},
+                       {.policy = Policy::best}};
+  int index_ = 0;
+};
+
+double attitude_error_deg(const NavigationEstimate& estimate) {
+  const RigidTransform truth = SwayInRoom::pose(static_cast<int>(estimate.frame_index));
+  return angle_between_rad(estimate.world_from_body.rotation, truth.rotation) / kDegree;
+}
+
+// The flow takes a room for flat ground: its metres are wrong, its verdict is ok all the same.
+TEST(BestNavigator, GoesWithTheReferenceInARoom) {
+  SwayInRoom flight;
+  for (int i = 0; i < 60; ++i) {
+    const NavigationEstimate estimate = flight.step();
+    if (i < 25) continue;
+    EXPECT_EQ(estimate.source, EstimateSource::reference) << i;
+    EXPECT_EQ(estimate.scale, ScaleSource::none) << i;
+    EXPECT_LT(attitude_error_deg(estimate), 0.3) << i;
+  }
+}
+
+TEST(BestNavigator, ACoverInARoomLeavesNoJump) {
+  SwayInRoom flight;
+  for (int i = 0; i < 30; ++i) (void)flight.step();
+  for (int i = 0; i < 6; ++i) {
+    const NavigationEstimate covered = flight.step(true);
+    EXPECT_NE(covered.verdict, Verdict::ok);
+    EXPECT_LT(attitude_error_deg(covered), 3);
+  }
+  for (int i = 0; i < 10; ++i) {
+    const NavigationEstimate estimate = flight.step();
+    EXPECT_EQ(estimate.verdict, Verdict::ok) << i;
+    EXPECT_LT(attitude_error_deg(estimate), 0.3) << i;
+  }
+}
+
+}  // namespace
+}  // namespace stillkite
