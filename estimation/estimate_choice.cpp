@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/angle.hpp"
 
@@ -98,8 +99,9 @@ void EstimateChoice::choose(const EstimatePair& estimates) {
   const bool is_flow_preferred = is_flow_seen_ || does_agree;
   frames_for_other_ = is_flow_preferred == is_flow_chosen ? 0 : frames_for_other_ + 1;
   const bool is_due = frames_for_other_ >= config_.patience_frames;
-  if (!is_flow_chosen && (is_due ? does_agree : !is_flow_preferred)) hand_over(estimates);
   if (is_due) take(is_flow_chosen ? EstimateSource::reference : EstimateSource::flow);
+  const bool is_flow_taken = decision_.source == EstimateSource::flow;
+  if (is_flow_taken ? is_due && does_agree : !is_flow_preferred) hand_over(estimates);
 }
 
 bool EstimateChoice::agree(const EstimatePair& estimates) const {
@@ -130,8 +132,11 @@ void EstimateChoice::hand_over(const EstimatePair& estimates) {
   const RigidTransform wanted{rotation_by_reference(estimates), place - dropped};
   decision_.home_from_flow = wanted * pose_of(estimates.flow).inverse();
   decision_.home_from_flow.rotation.normalize();
-  decision_.correction_covariance.setZero();
-  decision_.correction_covariance.diagonal().head<3>().setConstant(dropped.squaredNorm());
+  const bool is_at_origin = estimates.reference.displacement_kind == DisplacementKind::zero;
+  const double variance = is_at_origin
+                              ? std::pow(config_.way_sigma_ratio * estimates.start_height, 2)
+                              : decision_.correction_covariance(0, 0) + dropped.squaredNorm();
+  decision_.correction_covariance.diagonal().head<3>().setConstant(variance);
   decision_.correction_covariance.bottomRightCorner<3, 3>() =
       turned(estimates.reference.rotation_covariance, estimates.start_from_reference.rotation);
 }
