@@ -26,7 +26,7 @@ constexpr const char* kHeader =
     "windows,inlier_ratio [],mean_flow [px],residual [px],condition [],"
     "reference_stamp [ns],reference_model,displacement,"
     "reference_dx [],reference_dy [],reference_dz [],"
-    "reference_qw [],reference_qx [],reference_qy [],reference_qz [],parallax [rad]";
+    "reference_qw [],reference_qx [],reference_qy [],reference_qz [],parallax [rad],source";
 
 class Row {
  public:
@@ -103,7 +103,7 @@ std::string estimates_csv_row(const NavigationEstimate& e) {
   row.whole(e.quality.windows).number(e.quality.inlier_ratio).number(e.quality.mean_flow_px);
   row.number(e.quality.residual_px).number(e.quality.condition);
   add_reference(row, e.reference);
-  row.numbers(e.stage_ms);
+  row.word(name_of(e.source)).numbers(e.stage_ms);
   return std::move(row).line();
 }
 
