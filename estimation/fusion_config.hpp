@@ -9,6 +9,7 @@ namespace stillkite {
 struct FusionConfig {
   double pixel_sigma_px = 0.3;
   double gate_sigma = 4.0;
+  bool flat_ground = false;
   int landmarks = 48;
   int min_landmarks = 12;
   double inverse_depth_sigma_ratio = 0.5;
@@ -16,10 +17,9 @@ struct FusionConfig {
   double metric_below_sigma_ratio = 0.25;
   double height_sigma_ratio = 0.02;
   double ground_sigma_ratio = 0.01;
-  double flow_velocity_sigma_ratio = 0.02;
+  double keyframe_view_sigma_ratio = 0.02;
   double flow_correlated_frames = 10;
   double acceleration_density = 1.0;
-  double rate_density = 0.005;
   double gyro_density = 5e-4;
   double gyro_bias_sigma_rad_s = 0.01;
   double gyro_bias_walk = 5e-5;
@@ -34,6 +34,9 @@ struct FusionConfig {
           "of a feature's place, errors that last over frames included");
     field("gate_sigma", self.gate_sigma, kPositive,
           "a measurement further than that from its prediction is left out");
+    field("flat_ground", self.flat_ground,
+          "what is seen is known to be flat and level; else the features must show it before the "
+          "flow is believed");
     field("landmarks", self.landmarks, Range{8, 200},
           "features of the reference whose place in space is estimated");
     field("min_landmarks", self.min_landmarks, Range{4, 200},
@@ -50,15 +53,13 @@ struct FusionConfig {
     field("ground_sigma_ratio", self.ground_sigma_ratio, kPositive,
           "how far a landmark that is taken for one of the ground may be over or under it, as a "
           "share of the height");
-    field("flow_velocity_sigma_ratio", self.flow_velocity_sigma_ratio, kNotNegative,
-          "error of the flow's speed as a share of it, beside its covariance: ground that is not "
-          "flat");
+    field("keyframe_view_sigma_ratio", self.keyframe_view_sigma_ratio, kNotNegative,
+          "error of the flow's way since its keyframe as a share of it, beside its covariance: "
+          "ground that is not flat");
     field("flow_correlated_frames", self.flow_correlated_frames, Range{.min = 1},
           "frames over which the flow's errors are alike; its variance is taken that many times");
     field("acceleration_density", self.acceleration_density, kPositive,
           "white acceleration of the drone where no accelerometer is read, m/s^2/sqrt(Hz)");
-    field("rate_density", self.rate_density, kPositive,
-          "error of an angular rate that no gyroscope but a picture tells, rad/s/sqrt(Hz)");
     field("gyro_density", self.gyro_density, kPositive, "white noise, rad/s/sqrt(Hz)");
     field("gyro_bias_sigma_rad_s", self.gyro_bias_sigma_rad_s, kPositive,
           "of the bias at the start");

@@ -17,7 +17,8 @@ FusionFilter::FusionFilter(const FusionConfig& config, const RigidTransform& wor
   const int most = Index::kLandmarks + 3 * config.landmarks;
   P_ = Eigen::MatrixXd::Zero(most, most);
   landmarks_.reserve(static_cast<std::size_t>(config.landmarks));
-  state_.world_from_camera = state_.world_from_anchor = world_from_camera;
+  state_.world_from_camera = state_.world_from_anchor = state_.world_from_keyframe =
+      world_from_camera;
   const auto set = [this](int first, int count, double sigma) {
     P_.diagonal().segment(first, count).setConstant(square(sigma));
   };
@@ -51,7 +52,7 @@ bool FusionFilter::correct(const Innovation<kRows>& innovation) {
 
 template bool FusionFilter::correct(const Innovation<1>&);
 template bool FusionFilter::correct(const Innovation<2>&);
-template bool FusionFilter::correct(const Innovation<3>&);
+template bool FusionFilter::correct(const Innovation<6>&);
 
 void FusionFilter::inject(const Eigen::VectorXd& error) {
   const auto turn = [&](RigidTransform& pose, int rotation, int position) {
@@ -60,6 +61,7 @@ void FusionFilter::inject(const Eigen::VectorXd& error) {
   };
   turn(state_.world_from_camera, Index::kRotation, Index::kPosition);
   turn(state_.world_from_anchor, Index::kAnchorRotation, Index::kAnchorPosition);
+  turn(state_.world_from_keyframe, Index::kKeyframeRotation, Index::kKeyframePosition);
   state_.velocity_in_world += error.segment<3>(Index::kVelocity);
   state_.gyro_bias_rad_s += error.segment<3>(Index::kGyroBias);
   state_.accel_bias_m_s2 += error.segment<3>(Index::kAccelBias);
@@ -72,23 +74,6 @@ void FusionFilter::inject(const Eigen::VectorXd& error) {
     landmark.inverse_depth += error[column + 2];
     column += 3;
   }
-}
-
-bool FusionFilter::update_flow_velocity(const Eigen::Vector3d& velocity_m_s,
-                                        const Eigen::Matrix3d& covariance) {
-  // the flow's metres are true ones times exp(log_height)
-  const double scale = std::exp(state_.log_scale + state_.log_height);
-  const Eigen::Matrix3d R_t = state_.world_from_camera.rotation.conjugate().toRotationMatrix();
-  const Eigen::Vector3d h = scale * (R_t * state_.velocity_in_world);
-  Innovation<3> innovation{.residual = velocity_m_s - h,
-                           .H = {},
-                           .noise = covariance + square(config_.flow_velocity_sigma_ratio) *
-                                                     velocity_m_s.squaredNorm() *
-                                                     Eigen::Matrix3d::Identity()};
-  innovation.H.add(Index::kRotation, scale * R_t * skew(state_.velocity_in_world));
-  innovation.H.add(Index::kVelocity, scale * R_t);
-  innovation.H.add(Index::kScale, h * Eigen::RowVector2d::Ones());
-  return correct(innovation);
 }
 
 bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
@@ -109,14 +94,19 @@ bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
 void FusionFilter::take_anchor() {
   landmarks_.clear();
   state_.world_from_anchor = state_.world_from_camera;
-  const int n = Index::kLandmarks;
-  P_.block<6, Index::kAnchorRotation>(Index::kAnchorRotation, 0) =
-      P_.block<6, Index::kAnchorRotation>(Index::kRotation, 0);
-  P_.block<Index::kAnchorRotation, 6>(0, Index::kAnchorRotation) =
-      P_.block<6, Index::kAnchorRotation>(Index::kAnchorRotation, 0).transpose();
-  P_.block<6, 6>(Index::kAnchorRotation, Index::kAnchorRotation) =
-      P_.block<6, 6>(Index::kRotation, Index::kRotation);
-  static_assert(n == Index::kAnchorRotation + 6);
+  clone_camera(Index::kAnchorRotation);
+}
+
+void FusionFilter::take_keyframe() {
+  state_.world_from_keyframe = state_.world_from_camera;
+  clone_camera(Index::kKeyframeRotation);
+}
+
+// A pose that is the camera's now has its errors, and their covariance with all others.
+void FusionFilter::clone_camera(int first) {
+  const int n = size();
+  P_.block(first, 0, 6, n) = P_.block(Index::kRotation, 0, 6, n).eval();
+  P_.block(0, first, n, 6) = P_.block(0, Index::kRotation, n, 6).eval();
 }
 
 RigidTransform FusionFilter::world_from_camera_m() const {

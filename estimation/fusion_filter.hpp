@@ -7,7 +7,7 @@
 #include "estimation/error_state.hpp"
 #include "estimation/fusion_config.hpp"
 #include "estimation/fusion_state.hpp"
-#include "estimation/twist.hpp"
+#include "estimation/plane_motion.hpp"
 
 namespace stillkite {
 
@@ -30,13 +30,11 @@ class FusionFilter {
                double velocity_sigma_m_s);
 
   void predict(const InertialStep& step);
-  /// By the flow's way from the frame before, by its own idea of the height, with what that way
-  /// adds to the covariance of (translation, rotation vector), world axes.
-  void predict_by_odometry(const RigidTransform& before_from_now_m, double dt_s,
-                           const Matrix6d& growth);
-
-  /// The flow's velocity in the camera, by its own idea of the height. False: refused.
-  bool update_flow_velocity(const Eigen::Vector3d& velocity_m_s, const Eigen::Matrix3d& covariance);
+  /// The camera over the ground as the flow sees it from its keyframe; covariance of (translation
+  /// in the keyframe's heights, rotation vector), camera axes. False: refused.
+  bool update_keyframe_view(const PlaneMotion& seen, const Matrix6d& covariance);
+  /// The camera, here, is the keyframe of the views to come.
+  void take_keyframe();
   /// The vertical as another sensor has it, any length, in the camera.
   bool update_up(const Eigen::Vector3d& up_in_camera);
 
@@ -46,9 +44,10 @@ class FusionFilter {
   void add_landmark(int feature, const Eigen::Vector2d& bearing, double sigma);
   /// False: not such a landmark, behind the camera, or refused.
   bool update_landmark(int feature, const Eigen::Vector2d& seen, double sigma);
-  /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. Gives
-  /// how many are new.
-  int update_ground();
+  /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
+  /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
+  /// depth has shown. Gives how many are new.
+  int update_ground(bool is_flat);
   /// Those that the gate has refused too often in a row.
   void drop_refused();
 
@@ -78,7 +77,9 @@ class FusionFilter {
   [[nodiscard]] int size() const;
   void remove_landmark(std::size_t i);
   [[nodiscard]] Innovation<1> ground_innovation(const Landmark& landmark, int column) const;
+  void clone_camera(int first);
   [[nodiscard]] double height_below_anchor(const Landmark& landmark) const;
+  [[nodiscard]] double height(const Eigen::Vector3d& position) const;
   [[nodiscard]] double guessed_inverse_depth(const Eigen::Vector2d& bearing) const;
   [[nodiscard]] Eigen::Matrix3d metric_covariance(int first, const Eigen::Vector3d& value) const;
 

@@ -7,7 +7,6 @@ namespace {
 
 using Index = FusionIndex;
 constexpr double kGravity_m_s2 = 9.80665;
-constexpr double kAnySpeed_m_s = 100;
 constexpr double kAnyRateDensity = 0.5;  // rad/s/sqrt(Hz)
 
 // Accelerometers feel its opposite. The world's vertical is off by the tilt: exp(tilt) z.
@@ -91,38 +90,12 @@ void FusionFilter::predict(const InertialStep& step) {
     F.middleRows<3>(Index::kVelocity) += by_force;
     F.middleRows<3>(Index::kPosition) += 0.5 * dt_s * by_force;
   }
-  const double rate_density = has_gyro                  ? config_.gyro_density
-                              : step.angular_rate_rad_s ? config_.rate_density
-                                                        : kAnyRateDensity;
+  const double rate_density = has_gyro ? config_.gyro_density : kAnyRateDensity;
   const double accel_density = has_accel ? config_.accel_density : config_.acceleration_density;
   Matrix9d noise = white_acceleration(square(shrink * accel_density), dt_s);
   noise.diagonal().segment<3>(Index::kRotation).setConstant(square(rate_density) * dt_s);
   propagate(F, noise, dt_s);
   state_ = moved(state_, step);
-}
-
-// With s = exp(-(log_scale + log_height)): p' = p + s R t, R' = R dR
-void FusionFilter::predict_by_odometry(const RigidTransform& before_from_now_m, double dt_s,
-                                       const Matrix6d& growth) {
-  const double shrink = std::exp(-(state_.log_scale + state_.log_height));
-  RigidTransform& camera = state_.world_from_camera;
-  const Eigen::Vector3d way = shrink * (camera.rotation * before_from_now_m.translation);
-  Transition F = Transition::Identity();
-  F.block<3, 3>(Index::kPosition, Index::kRotation) = -skew(way);
-  F.col(Index::kScale).segment<3>(Index::kPosition) = -way;
-  F.col(Index::kHeight).segment<3>(Index::kPosition) = -way;
-  Matrix9d noise = Matrix9d::Zero();
-  noise.block<3, 3>(Index::kRotation, Index::kRotation) = growth.bottomRightCorner<3, 3>();
-  noise.block<3, 3>(Index::kPosition, Index::kPosition) =
-      square(shrink) * growth.topLeftCorner<3, 3>();
-  noise.block<3, 3>(Index::kPosition, Index::kRotation) = shrink * growth.topRightCorner<3, 3>();
-  noise.block<3, 3>(Index::kRotation, Index::kPosition) = shrink * growth.bottomLeftCorner<3, 3>();
-  // the velocity carries nothing on here: the flow's own, which is filtered, takes its place
-  F.middleRows<3>(Index::kVelocity).setZero();
-  noise.diagonal().segment<3>(Index::kVelocity).setConstant(square(shrink * kAnySpeed_m_s));
-  propagate(F, noise, dt_s);
-  camera.translation += way;
-  camera.rotation = (camera.rotation * before_from_now_m.rotation).normalized();
 }
 
 void FusionFilter::propagate(const Transition& F, const Matrix9d& noise, double dt_s) {

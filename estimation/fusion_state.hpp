@@ -17,9 +17,15 @@ struct FusionState {
   Eigen::Vector3d accel_bias_m_s2 = Eigen::Vector3d::Zero();    ///< camera axes
   Eigen::Vector2d gravity_tilt_rad = Eigen::Vector2d::Zero();   ///< about world x and y
   double log_scale = 0;
-  double log_height = 0;             ///< of the known height at the start over the true one
-  RigidTransform world_from_anchor;  ///< the camera at the reference frame
+  double log_height = 0;               ///< of the known height at the start over the true one
+  RigidTransform world_from_anchor;    ///< the camera at the reference frame
+  RigidTransform world_from_keyframe;  ///< the camera at the flow's keyframe
 };
+
+/// The world's true vertical: exp(tilt) z, to first order.
+[[nodiscard]] inline Eigen::Vector3d up(const FusionState& state) {
+  return {state.gravity_tilt_rad.y(), -state.gravity_tilt_rad.x(), 1};
+}
 
 /// A point in space, seen from the anchor at (x, y, 1) / inverse depth.
 struct Landmark {
@@ -43,7 +49,9 @@ struct FusionIndex {
   static constexpr int kHeight = 18;
   static constexpr int kAnchorRotation = 19;
   static constexpr int kAnchorPosition = 22;
-  static constexpr int kLandmarks = 25;
+  static constexpr int kKeyframeRotation = 25;
+  static constexpr int kKeyframePosition = 28;
+  static constexpr int kLandmarks = 31;
 };
 
 }  // namespace stillkite

@@ -7,37 +7,14 @@
 #include <cmath>
 #include <functional>
 
+#include "estimation/ground_relief.hpp"
+#include "geometry/plane.hpp"
 #include "navigation/assumptions.hpp"
+#include "navigation/inertial_steps.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
 namespace {
-
-InertialStep in_camera(const InertialReading& reading, double dt_s,
-                       const Eigen::Quaterniond& body_from_camera) {
-  const Eigen::Quaterniond camera_from_body = body_from_camera.conjugate();
-  return {.dt_s = dt_s,
-          .angular_rate_rad_s = camera_from_body * reading.angular_rate_in_body_rad_s,
-          .is_gyro = true,
-          .specific_force_m_s2 = camera_from_body * reading.specific_force_in_body_m_s2};
-}
-
-// The interval's finite readings, a step each; what they leave open has none.
-std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
-                                         Timestamp from, Timestamp to,
-                                         const Eigen::Quaterniond& body_from_camera) {
-  std::vector<InertialStep> steps;
-  steps.reserve(readings.size() + 1);
-  Timestamp at = from;
-  for (const InertialReading& reading : readings) {
-    const bool is_finite = reading.angular_rate_in_body_rad_s.allFinite() &&
-                           reading.specific_force_in_body_m_s2.allFinite();
-    if (!is_finite || reading.stamp <= at || reading.stamp > to) continue;
-    steps.push_back(in_camera(reading, seconds_between(at, reading.stamp), body_from_camera));
-    at = reading.stamp;
-  }
-  return steps;
-}
 
 // Neither the flow nor enough landmarks were to be believed, whatever the reference alone says.
 Verdict unmeasured(Verdict reference) {
@@ -51,14 +28,13 @@ std::array<double, kStageCount> sum_of(std::array<double, kStageCount> a,
   return a;
 }
 
-// now - before, where it is positive.
-Matrix6d growth_of(const Matrix6d& before, const Matrix6d& now) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(now - before);
-  const Matrix6d& V = solver.eigenvectors();
-  return V * solver.eigenvalues().cwiseMax(0).asDiagonal() * V.transpose();
-}
-
-FusionConfig checked(const FusionConfig& config) {
+FusionConfig checked(const NavigatorConfig& navigator) {
+  const FusionConfig& config = navigator.fusion;
+  if (navigator.reference.association == Association::matching) {
+    throw InputError(
+        "reference.association: matching numbers features anew in every frame; the fusion follows "
+        "them");
+  }
   if (config.min_landmarks <= config.landmarks) return config;
   throw InputError(fmt::format("fusion.min_landmarks: {} is more than fusion.landmarks, {}",
                                config.min_landmarks, config.landmarks));
@@ -71,33 +47,42 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
                                Mode mode)
     : camera_(camera),
       body_from_camera_(body_from_camera),
-      config_(checked(config.fusion)),
-      readout_s_(config.readout_s),
+      config_(checked(config)),
       scale_(initial.scale),
       flow_(camera, body_from_camera, config, initial),
       reference_(camera, body_from_camera, config, initial, mode),
+      flow_from_camera_(initial.world_from_body * body_from_camera),
       filter_(config.fusion, initial.world_from_body * body_from_camera,
-              kAnySpeed_heights_s * initial.world_from_body.translation.z()) {}
+              kAnySpeed_heights_s * initial.world_from_body.translation.z()),
+      is_ground_flat_(config.fusion.flat_ground) {}
 
 NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval& interval,
                                         const SensorReadings& readings) {
-  // 1. Either estimator by itself.
+  // 1. Either estimator by itself, the reference's with a vertical.
   const NavigationEstimate flow = flow_.step(frame, interval, readings);
-  const NavigationEstimate reference = reference_.step(frame, interval, readings);
+  const RigidTransform flow_from_camera = flow.world_from_body * body_from_camera_;
+  SensorReadings hints = readings;
+  if (!hints.attitude) hints.attitude = guessed_attitude(flow_from_camera);
+  const NavigationEstimate reference = reference_.step(frame, interval, hints);
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
   if (interval.spoiled == Verdict::first_frame) last_ = frame.stamp;
-  predict(readings, frame.stamp, flow, reference);
-  if (readings.attitude) {
-    const Eigen::Quaterniond world_from_camera = *readings.attitude * body_from_camera_.rotation;
-    filter_.update_up(world_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
-  }
-  // 3. How fast the flow says it goes; how the reference's features have moved.
-  judge_ground(*reference.reference);
-  const bool flow_taken = !interval.spoiled && is_ground_flat_ && see_flow(flow);
+  const Eigen::Vector3d velocity_before = filter_.velocity_in_world_m_s();
+  predict(readings, frame.stamp, reference);
+  if (readings.attitude) see_up(*readings.attitude);
+  // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
+  flow_from_camera_ = flow_from_camera;
+  if (flow.verdict == Verdict::ok) judge_ground();
+  const bool flow_taken = is_ground_flat_ && see_ground();
   const bool landmarks_taken = !interval.spoiled && see_landmarks();
-  // 4. A new reference: the camera, wherever it is, is what the landmarks are seen from.
-  if (reference.reference->new_reference) filter_.take_anchor();
+  if (!has_gyro_) take_rate(flow_taken ? flow : reference);
+  velocity_in_world_m_s_ = 0.5 * (velocity_before + filter_.velocity_in_world_m_s());
+  // 4. The camera, wherever it is, is what new landmarks and the ground will be seen from.
+  if (reference.reference->new_reference) {
+    filter_.take_anchor();
+    flow_from_anchor_ = flow_from_camera_;
+  }
+  if (flow.new_keyframe) filter_.take_keyframe();
   const Verdict verdict = interval.spoiled                ? *interval.spoiled
                           : flow_taken || landmarks_taken ? Verdict::ok
                                                           : unmeasured(reference.verdict);
@@ -110,8 +95,15 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   return out;
 }
 
+// As it was, and on by what the flow has turned since.
+Eigen::Quaterniond FusedNavigator::guessed_attitude(const RigidTransform& flow_from_camera) const {
+  const Eigen::Quaterniond turn =
+      flow_from_camera_.rotation.conjugate() * flow_from_camera.rotation;
+  return filter_.state().world_from_camera.rotation * turn * body_from_camera_.rotation.conjugate();
+}
+
 void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
-                             const NavigationEstimate& flow, const NavigationEstimate& reference) {
+                             const NavigationEstimate& reference) {
   if (now <= last_) return;
   const Eigen::Quaterniond before = filter_.state().world_from_camera.rotation;
   const double dt_s = seconds_between(last_, now);
@@ -122,19 +114,23 @@ void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
     filter_.predict(step);
     left_s -= step.dt_s;
   }
-  follows_flow_ = steps.empty() && follow_flow(flow, dt_s);
-  if (left_s > 1e-6 && !follows_flow_) {
-    filter_.predict(uncovered_step(readings, left_s, reference));
-  }
+  if (left_s > 1e-6) filter_.predict(uncovered_step(readings, left_s, reference));
+  has_gyro_ = !steps.empty() || readings.mean_angular_rate_in_body_rad_s;
   rate_in_camera_rad_s_ =
-      follows_flow_
-          ? flow.twist_in_camera.angular_rate_rad_s
-          : so3_log(before.conjugate() * filter_.state().world_from_camera.rotation) / dt_s;
-  const bool has_gyro = !steps.empty() || readings.mean_angular_rate_in_body_rad_s;
-  rate_covariance_ = rate_covariance(has_gyro, dt_s, flow, reference);
+      so3_log(before.conjugate() * filter_.state().world_from_camera.rotation) / dt_s;
+  rate_covariance_ = filter_.gyro_bias_covariance() +
+                     square(config_.gyro_density) / dt_s * Eigen::Matrix3d::Identity();
   last_ = now;
-  last_flow_.reset();
-  if (flow.verdict == Verdict::ok) last_flow_ = flow;
+}
+
+void FusedNavigator::take_rate(const NavigationEstimate& estimate) {
+  rate_in_camera_rad_s_ = estimate.twist_in_camera.angular_rate_rad_s;
+  rate_covariance_ = estimate.twist_covariance.bottomRightCorner<3, 3>();
+}
+
+void FusedNavigator::see_up(const Eigen::Quaterniond& world_from_body) {
+  const Eigen::Quaterniond world_from_camera = world_from_body * body_from_camera_.rotation;
+  filter_.update_up(world_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
 }
 
 // What the IMU's readings leave open.
@@ -152,49 +148,29 @@ InertialStep FusedNavigator::uncovered_step(const SensorReadings& readings, doub
   return step;
 }
 
-// Of the mean rate since the last frame, by what told it.
-Eigen::Matrix3d FusedNavigator::rate_covariance(bool has_gyro, double dt_s,
-                                                const NavigationEstimate& flow,
-                                                const NavigationEstimate& reference) const {
-  if (follows_flow_) return flow.twist_covariance.bottomRightCorner<3, 3>();
-  if (has_gyro) {
-    return filter_.gyro_bias_covariance() +
-           config_.gyro_density * config_.gyro_density / dt_s * Eigen::Matrix3d::Identity();
-  }
-  return reference.reference->motion.twist_in_camera
-             ? Eigen::Matrix3d(reference.twist_covariance.bottomRightCorner<3, 3>())
-             : any_rate_covariance();
+// The flow takes what it sees for flat and level. Where its own motion does not take the features
+// to where they are, what it sees has depth, and its metres are wrong ones.
+void FusedNavigator::judge_ground() {
+  if (config_.flat_ground) return;
+  constexpr double kMostMisfit = 0.2;
+  constexpr int kInARow = 5;
+  const GroundPlane ground = ground_seen_from(flow_from_anchor_);
+  const std::optional<double> misfit =
+      ground_misfit(reference_.bearings().pairs, flow_from_camera_.inverse() * flow_from_anchor_,
+                    ground.normal_in_camera, ground.height_m, feature_sigma());
+  if (!misfit) return;
+  const bool looks_flat = *misfit <= kMostMisfit;
+  contrary_ = looks_flat == is_ground_flat_ ? 0 : contrary_ + 1;
+  if (contrary_ < kInARow) return;
+  is_ground_flat_ = looks_flat;
+  contrary_ = 0;
 }
 
-Eigen::Matrix3d FusedNavigator::any_rate_covariance() {
-  return kAnyRate_rad_s * kAnyRate_rad_s * Eigen::Matrix3d::Identity();
-}
-
-// The way since the last frame, of two answers whose common errors cancel; what the second is less
-// certain of is what the way has added.
-bool FusedNavigator::follow_flow(const NavigationEstimate& flow, double dt_s) {
-  if (!is_ground_flat_ || flow.verdict != Verdict::ok || !last_flow_) return false;
-  const RigidTransform before = last_flow_->world_from_body * body_from_camera_;
-  const RigidTransform now = flow.world_from_body * body_from_camera_;
-  filter_.predict_by_odometry(before.inverse() * now, dt_s,
-                              growth_of(last_flow_->pose_covariance, flow.pose_covariance));
-  return true;
-}
-
-// The flow takes what it sees for flat ground: where the features show depth its metres are wrong
-// ones, and before they have shown anything nobody knows.
-void FusedNavigator::judge_ground(const ReferenceReport& reference) {
-  if (reference.model == ViewModel::plane) is_ground_flat_ = true;
-  if (reference.model == ViewModel::general) is_ground_flat_ = false;
-}
-
-bool FusedNavigator::see_flow(const NavigationEstimate& flow) {
-  if (flow.verdict != Verdict::ok) return false;
-  // alike over some frames: an error that would add up to a way counts as often; by odometry none
-  // do
-  const double alike = follows_flow_ ? 1 : config_.flow_correlated_frames;
-  return filter_.update_flow_velocity(flow.twist_in_camera.velocity_m_s,
-                                      alike * flow.twist_covariance.topLeftCorner<3, 3>());
+bool FusedNavigator::see_ground() {
+  const std::optional<KeyframeView>& view = flow_.view();
+  // alike over some frames: an error that would add up to a way counts as often
+  return view && filter_.update_keyframe_view(view->motion,
+                                              config_.flow_correlated_frames * view->covariance);
 }
 
 bool FusedNavigator::see_landmarks() {
@@ -209,15 +185,13 @@ bool FusedNavigator::see_landmarks() {
     if (filter_.update_landmark(feature, bearings.pairs[i].current, sigma)) ++taken;
   }
   filter_.drop_refused();
-  filter_.update_ground();
+  filter_.update_ground(is_ground_flat_);
   return taken >= config_.min_landmarks;
 }
 
-// On z = 1. Rows that are read one after the other see a feature where it was at another time.
+// On z = 1.
 double FusedNavigator::feature_sigma() const {
-  constexpr double kOfUniform = 0.2887;  // 1 / sqrt(12)
-  return std::hypot(config_.pixel_sigma_px / camera_.focal_x_px,
-                    kOfUniform * readout_s_ * rate_in_camera_rad_s_.norm());
+  return config_.pixel_sigma_px / camera_.focal_x_px;
 }
 
 // Spread over the picture: each next one as far from those at hand as can be.
@@ -257,7 +231,7 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) c
   const RigidTransform world_from_camera = filter_.world_from_camera_m();
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
   out.pose_covariance = filter_.pose_covariance();
-  out.velocity_in_world_m_s = filter_.velocity_in_world_m_s();
+  out.velocity_in_world_m_s = velocity_in_world_m_s_;
   const Eigen::Matrix3d R_t = world_from_camera.rotation.conjugate().toRotationMatrix();
   out.twist_in_camera = {R_t * out.velocity_in_world_m_s, rate_in_camera_rad_s_};
   out.twist_covariance.topLeftCorner<3, 3>() =

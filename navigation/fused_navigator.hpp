@@ -25,36 +25,37 @@ class FusedNavigator {
   [[nodiscard]] const std::vector<WindowFlow>& windows() const { return reference_.windows(); }
 
  private:
-  void predict(const SensorReadings& readings, Timestamp now, const NavigationEstimate& flow,
-               const NavigationEstimate& reference);
+  [[nodiscard]] Eigen::Quaterniond guessed_attitude(const RigidTransform& flow_from_camera) const;
+  void predict(const SensorReadings& readings, Timestamp now, const NavigationEstimate& reference);
   [[nodiscard]] InertialStep uncovered_step(const SensorReadings& readings, double dt_s,
                                             const NavigationEstimate& reference) const;
-  [[nodiscard]] Eigen::Matrix3d rate_covariance(bool has_gyro, double dt_s,
-                                                const NavigationEstimate& flow,
-                                                const NavigationEstimate& reference) const;
-  [[nodiscard]] bool follow_flow(const NavigationEstimate& flow, double dt_s);
-  void judge_ground(const ReferenceReport& reference);
-  [[nodiscard]] bool see_flow(const NavigationEstimate& flow);
+  void take_rate(const NavigationEstimate& estimate);
+  void see_up(const Eigen::Quaterniond& world_from_body);
+  void judge_ground();
+  [[nodiscard]] bool see_ground();
   [[nodiscard]] bool see_landmarks();
   void choose_landmarks();
   [[nodiscard]] double feature_sigma() const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
-  [[nodiscard]] static Eigen::Matrix3d any_rate_covariance();
 
   Camera camera_;
   RigidTransform body_from_camera_;
   FusionConfig config_;
-  double readout_s_;
   ScaleSource scale_;
   KeyframeNavigator flow_;
   ReferenceNavigator reference_;
+  // in the flow's own world
+  RigidTransform flow_from_camera_;
+  RigidTransform flow_from_anchor_;  // at the reference frame
   FusionFilter filter_;
   Timestamp last_;
-  std::optional<NavigationEstimate> last_flow_;  // where it was ok
-  bool is_ground_flat_ = false;
-  bool follows_flow_ = false;  // since the last frame, for want of an IMU
+  bool is_ground_flat_;
+  int contrary_ = 0;       // frames in a row that showed otherwise
+  bool has_gyro_ = false;  // since the last frame
+  // means since the last frame
+  Eigen::Vector3d velocity_in_world_m_s_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_in_camera_rad_s_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d rate_covariance_ = any_rate_covariance();
+  Eigen::Matrix3d rate_covariance_ = Eigen::Matrix3d::Zero();
 };
 
 }  // namespace stillkite

@@ -58,6 +58,7 @@ KeyframeNavigator::KeyframeNavigator(const Camera& camera, const RigidTransform&
 NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterval& interval,
                                            const SensorReadings& readings) {
   StopWatch watch;
+  view_.reset();
   // 1. Halve the picture a few times.
   current_.build(frame.grey, config_.alignment.levels);
   if (interval.spoiled == Verdict::first_frame) return start(frame, readings);
@@ -73,6 +74,8 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   // 5. Chain it to the keyframe, level both by the plane's normal and filter; or stay as predicted.
   if (verdict == Verdict::ok) {
     track_.accept(alignment, readings, frame.stamp);
+    view_ = {alignment.motion,
+             alignment.covariance.topLeftCorner<6, 6>() + alignment.smooth_covariance};
     // a keyframe taken before the speed was known had it all the same; its rows need it
     if (aligned_ <= kFramesToLearnSpeed) {
       track_.assume_keyframe_twist(track_.filter().twist_in_camera());

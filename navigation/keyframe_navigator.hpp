@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "estimation/plane_alignment.hpp"
@@ -10,6 +11,12 @@
 #include "navigation/window_flow.hpp"
 
 namespace stillkite {
+
+/// The camera over the ground, seen from a keyframe.
+struct KeyframeView {
+  PlaneMotion motion;   ///< lengths in heights of the keyframe
+  Matrix6d covariance;  ///< of (translation, rotation vector), camera axes, as PlaneMotionStep's
+};
 
 /// The recommended mode: every picture is aligned to a keyframe (DESIGN section 3).
 class KeyframeNavigator {
@@ -22,6 +29,10 @@ class KeyframeNavigator {
 
   /// Of the last frame; empty where nothing was aligned.
   [[nodiscard]] std::vector<WindowFlow> windows() const;
+
+  /// What the last frame showed of the motion since the keyframe, before any filter; nothing where
+  /// its verdict is not ok.
+  [[nodiscard]] const std::optional<KeyframeView>& view() const { return view_; }
 
  private:
   NavigationEstimate start(const Frame& frame, const SensorReadings& readings);
@@ -45,6 +56,7 @@ class KeyframeNavigator {
   PlaneAligner aligner_;
   PoseTrack track_;
   Pyramid current_, keyframe_;
+  std::optional<KeyframeView> view_;
   int windows_at_keyframe_ = 0;
   int aligned_ = 0;                                   // frames since the speed was unknown
   int failures_ = 0;                                  // frames in a row that did not align

@@ -57,7 +57,9 @@ ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransfor
       start_(initial.world_from_body * body_from_camera),
       mode_(mode),
       association_(config.reference),
-      gate_(config.reference.gate) {
+      gate_(config.reference.gate),
+      row_times_(config.reference.association == Association::matching ? 0 : config.readout_s,
+                 camera.height_px) {
   const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
   current_.world_from_camera = start_.rotation;
   current_.covariance =
@@ -80,7 +82,7 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   const FeatureTracks& tracks = association_.find(frame.grey);
   const double flow_ms = watch.lap_ms();
   // 3. Undistorted, they tell how the camera has turned and which way it has gone.
-  bearings_ = feature_bearings(camera_, tracks);
+  bearings_ = row_times_.at_stamp(feature_bearings(camera_, tracks), tracks, frame.stamp);
   const RelativePoseEstimate pose = estimate(bearings_.pairs, readings.attitude);
   // 4. Is it to be trusted? A rotation that changes too fast is not, three times.
   const Verdict verdict = judge(pose, tracks.found_count);
@@ -183,6 +185,7 @@ bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
   current_.covariance_from_reference.setZero();
   reference_ = current_;
   reference_.stamp = frame.stamp;
+  row_times_.begin(frame.stamp);
   last_pose_.reset();
   gate_.reset();
   frames_since_reference_ = failures_ = features_before_ = 0;

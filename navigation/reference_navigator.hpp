@@ -12,6 +12,7 @@
 #include "navigation/frame_interval.hpp"
 #include "navigation/navigation_estimate.hpp"
 #include "navigation/navigator_config.hpp"
+#include "navigation/row_times.hpp"
 #include "navigation/sensor_readings.hpp"
 #include "navigation/window_flow.hpp"
 
@@ -63,6 +64,7 @@ class ReferenceNavigator {
   Mode mode_;
   FeatureAssociation association_;
   RotationGate gate_;
+  RowTimes row_times_;
 
   Attitude reference_, current_;
   Timestamp start_stamp_;

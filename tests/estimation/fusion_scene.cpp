@@ -84,19 +84,13 @@ void FusionSimulation::step() {
           accel_bias_ + config_.accel_density * root_rate * normal3();
     } else {
       step.is_gyro = false;
-      step.angular_rate_rad_s = rate + config_.rate_density * root_rate * normal3();
+      step.angular_rate_rad_s = rate + 0.5 * root_rate * normal3();
     }
     filter_.predict(step);
   }
   const FusionTruth now = truth();
   const RigidTransform camera_from_world = now.world_from_camera.inverse();
-  if (scene_.has_flow) {
-    const double sigma = 0.06;
-    const Eigen::Vector3d velocity =
-        std::exp(height_error_log_) * (camera_from_world.rotation * now.velocity_in_world_m_s);
-    filter_.update_flow_velocity(velocity + sigma * normal3(),
-                                 sigma * sigma * Eigen::Matrix3d::Identity());
-  }
+  if (scene_.has_flow) see_ground();
   if (!scene_.has_landmarks) return;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Eigen::Vector3d x = camera_from_world * points_[i];
@@ -105,6 +99,24 @@ void FusionSimulation::step() {
                             x.head<2>() / x.z() + sigma * Eigen::Vector2d(normal(), normal()),
                             config_.pixel_sigma_px / scene_.focal_px);
   }
+}
+
+// As from a keyframe that is replaced now and then, its height off by what the start's is.
+void FusionSimulation::see_ground() {
+  const double start_height_m = looking_ahead().translation.z();
+  const double height_m = truth_at(keyframe_s_).world_from_camera.translation.z();
+  const RigidTransform camera_from_keyframe =
+      truth().world_from_camera.inverse() * truth_at(keyframe_s_).world_from_camera;
+  const double true_height_m = height_m + start_height_m * std::expm1(-height_error_log_);
+  const double sigma = 1e-3;
+  filter_.update_keyframe_view(
+      {.rotation = so3_exp(sigma * normal3()) * camera_from_keyframe.rotation,
+       .translation = camera_from_keyframe.translation / true_height_m + sigma * normal3()},
+      sigma * sigma * Matrix6d::Identity());
+  constexpr double kPeriod_s = 0.7;
+  if (time_s_ - keyframe_s_ < kPeriod_s) return;
+  filter_.take_keyframe();
+  keyframe_s_ = time_s_;
 }
 
 Vector6d FusionSimulation::pose_error() const {

@@ -46,6 +46,7 @@ class FusionSimulation {
 
  private:
   [[nodiscard]] FusionTruth truth_at(double t_s) const;
+  void see_ground();
   [[nodiscard]] double normal() { return normal_(engine_); }
   [[nodiscard]] Eigen::Vector3d normal3() { return {normal(), normal(), normal()}; }
 
@@ -54,6 +55,7 @@ class FusionSimulation {
   std::mt19937_64 engine_;
   std::normal_distribution<double> normal_;
   double time_s_ = 0;
+  double keyframe_s_ = 0;
   Eigen::Vector3d sway_phase_, turn_phase_;
   Eigen::Vector3d gyro_bias_, accel_bias_;
   double height_error_log_ = 0;

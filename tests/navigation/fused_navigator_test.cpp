@@ -6,6 +6,7 @@
 
 #include "geometry/angle.hpp"
 #include "navigation/navigator.hpp"
+#include "rendered_flight.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/develop.hpp"
 #include "simulation/patch_renderer.hpp"
@@ -174,6 +175,34 @@ TEST(FusedNavigator, LeavesOutReadingsThatAreNoNumbers) {
   }
   EXPECT_EQ(estimate.verdict, Verdict::ok);
   EXPECT_LT(way_error_m(first, estimate).norm(), 0.03);
+}
+
+// Nothing but a camera and the height at the start: over flat ground both say the same.
+TEST(FusedNavigator, FollowsTheFlowOverFlatGround) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, flight.start(),
+                      {.policy = Policy::fused});
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const NavigationEstimate estimate = navigator.step(flight.frames[i]);
+    EXPECT_EQ(estimate.verdict, i == 0 ? Verdict::first_frame : Verdict::ok) << i;
+    const Eigen::Vector3d error =
+        estimate.world_from_body.translation - flight.truth(i).translation;
+    if (i < 15) continue;  // until the features have shown flat ground
+    EXPECT_EQ(estimate.scale, ScaleSource::initial_height) << i;
+    EXPECT_LT(error.norm(), 0.1) << i;
+    EXPECT_LT(
+        angle_between_rad(estimate.world_from_body.rotation, flight.truth(i).rotation) / kDegree,
+        0.2)
+        << i;
+  }
+}
+
+TEST(FusedNavigator, FeaturesThatAreNumberedAnewAreAnError) {
+  NavigatorConfig config;
+  config.reference.association = Association::matching;
+  EXPECT_THROW((Navigator(small_camera(), kForwardMount, config, {.world_from_body = Sway::pose(0)},
+                          {.policy = Policy::fused})),
+               InputError);
 }
 
 TEST(FusedNavigator, MoreLandmarksNeededThanThereAreIsAnError) {

@@ -1,0 +1,33 @@
+#include "navigation/inertial_steps.hpp"
+
+namespace stillkite {
+namespace {
+
+InertialStep in_camera(const InertialReading& reading, double dt_s,
+                       const Eigen::Quaterniond& body_from_camera) {
+  const Eigen::Quaterniond camera_from_body = body_from_camera.conjugate();
+  return {.dt_s = dt_s,
+          .angular_rate_rad_s = camera_from_body * reading.angular_rate_in_body_rad_s,
+          .is_gyro = true,
+          .specific_force_m_s2 = camera_from_body * reading.specific_force_in_body_m_s2};
+}
+
+}  // namespace
+
+std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
+                                         Timestamp from, Timestamp to,
+                                         const Eigen::Quaterniond& body_from_camera) {
+  std::vector<InertialStep> steps;
+  steps.reserve(readings.size() + 1);
+  Timestamp at = from;
+  for (const InertialReading& reading : readings) {
+    const bool is_finite = reading.angular_rate_in_body_rad_s.allFinite() &&
+                           reading.specific_force_in_body_m_s2.allFinite();
+    if (!is_finite || reading.stamp <= at || reading.stamp > to) continue;
+    steps.push_back(in_camera(reading, seconds_between(at, reading.stamp), body_from_camera));
+    at = reading.stamp;
+  }
+  return steps;
+}
+
+}  // namespace stillkite

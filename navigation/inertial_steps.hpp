@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "estimation/fusion_filter.hpp"
+#include "geometry/time.hpp"
+#include "navigation/sensor_readings.hpp"
+
+namespace stillkite {
+
+/// The interval's readings, each carrying on to its own stamp; what they leave open up to `to` has
+/// none. Readings that are not finite, or out of turn, are left out.
+[[nodiscard]] std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
+                                                       Timestamp from, Timestamp to,
+                                                       const Eigen::Quaterniond& body_from_camera);
+
+}  // namespace stillkite
