@@ -1,6 +1,7 @@
 #include "app/trial_fleet.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <thread>
 
 #include "app/exit_code.hpp"
@@ -18,6 +19,16 @@ void film(const Frame& frame, std::vector<HoverPicture>& pictures) {
   pictures.push_back(hover_picture(frame));
 }
 
+std::vector<std::size_t> longest_first(const HoverConfig& config,
+                                       const std::vector<Trial>& trials) {
+  std::vector<std::size_t> order(trials.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return trial_duration_s(config, trials[a]) > trial_duration_s(config, trials[b]);
+  });
+  return order;
+}
+
 }  // namespace
 
 TrialFleet::TrialFleet(const HoverConfig& config, const HoverWorld& world,
@@ -25,6 +36,7 @@ TrialFleet::TrialFleet(const HoverConfig& config, const HoverWorld& world,
     : config_(config),
       world_(world),
       trials_(std::move(trials)),
+      order_(longest_first(config, trials_)),
       records_(trials_.size()),
       pictures_(trials_.size()),
       progress_(label, static_cast<std::int64_t>(trials_.size())) {}
@@ -41,7 +53,8 @@ void TrialFleet::fly(int jobs) {
 
 void TrialFleet::fly_next_ones() {
   try {
-    for (std::size_t i = next_++; i < trials_.size() && !stopped_; i = next_++) {
+    for (std::size_t n = next_++; n < order_.size() && !stopped_; n = next_++) {
+      const std::size_t i = order_[n];
       records_[i] = fly_trial(config_, world_, trials_[i], [&](const Frame& frame, auto&&...) {
         if (stopped_ || interrupted()) throw Interrupted{};
         if (is_filmed(i)) film(frame, pictures_[i]);

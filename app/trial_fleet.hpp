@@ -35,6 +35,7 @@ class TrialFleet {
   const HoverConfig& config_;
   const HoverWorld& world_;
   std::vector<Trial> trials_;
+  std::vector<std::size_t> order_;  // the longest first: none is left alone at the end
   std::vector<TrialRecord> records_;
   std::vector<std::vector<HoverPicture>> pictures_;
   std::atomic<std::size_t> next_ = 0;

@@ -22,6 +22,10 @@ StationPathConfig moved_along(PaperAxis axis, StationPathConfig path) {
 
 }  // namespace
 
+double trial_duration_s(const HoverConfig& config, const Trial& trial) {
+  return station_duration_s(moved_along(trial.axis, config.plant.station));
+}
+
 HoverPlant::HoverPlant(const HoverConfig& config, const Trial& trial)
     : path_(moved_along(trial.axis, config.plant.station)),
       fault_(config.plant.fault),

@@ -19,6 +19,9 @@ struct Trial {
   std::uint64_t seed = 1;
 };
 
+/// How long the station moves.
+[[nodiscard]] double trial_duration_s(const HoverConfig& config, const Trial& trial);
+
 /// The physical side of a trial and its clock: what happens whether or not anyone looks.
 class HoverPlant {
  public:
