@@ -139,6 +139,30 @@ Matrix6d FusionFilter::pose_covariance() const {
   return C;
 }
 
+RigidTransform FusionFilter::anchor_from_camera_m() const {
+  RigidTransform seen = state_.world_from_anchor.inverse() * state_.world_from_camera;
+  seen.translation *= std::exp(state_.log_scale);
+  return seen;
+}
+
+// With c = s R_a^T (p - p_a): R_a^T (e_p - e_pa + [p - p_a]x e_a) s + c e_s; turns: R_a^T (e -
+// e_a).
+Matrix6d FusionFilter::anchored_covariance() const {
+  const RigidTransform& anchor = state_.world_from_anchor;
+  const Eigen::Matrix3d R_t = anchor.rotation.conjugate().toRotationMatrix();
+  const Eigen::Matrix3d in_m = std::exp(state_.log_scale) * R_t;
+  const Eigen::Vector3d way = state_.world_from_camera.translation - anchor.translation;
+  Eigen::Matrix<double, 6, Index::kKeyframeRotation> J;
+  J.setZero();
+  J.block<3, 3>(0, Index::kPosition) = in_m;
+  J.block<3, 3>(0, Index::kAnchorPosition) = -in_m;
+  J.block<3, 3>(0, Index::kAnchorRotation) = in_m * skew(way);
+  J.block<3, 1>(0, Index::kScale) = in_m * way;
+  J.block<3, 3>(3, Index::kRotation) = R_t;
+  J.block<3, 3>(3, Index::kAnchorRotation) = -R_t;
+  return J * P_.topLeftCorner<Index::kKeyframeRotation, Index::kKeyframeRotation>() * J.transpose();
+}
+
 Eigen::Matrix3d FusionFilter::velocity_covariance() const {
   return metric_covariance(Index::kVelocity, state_.velocity_in_world);
 }

@@ -59,6 +59,9 @@ class FusionFilter {
   /// Of (translation in m, rotation vector), world axes, from the first frame.
   [[nodiscard]] Matrix6d pose_covariance() const;
   [[nodiscard]] Eigen::Matrix3d velocity_covariance() const;
+  /// Metres; the covariance of (translation, rotation vector) in the anchor's axes.
+  [[nodiscard]] RigidTransform anchor_from_camera_m() const;
+  [[nodiscard]] Matrix6d anchored_covariance() const;
   /// (rad/s)^2, camera axes.
   [[nodiscard]] Eigen::Matrix3d gyro_bias_covariance() const {
     return P_.block<3, 3>(FusionIndex::kGyroBias, FusionIndex::kGyroBias);

@@ -66,7 +66,11 @@ std::optional<ReferenceError> reference_error(std::span<const NavigationEstimate
                                               double tolerance_s) {
   ReferenceSamples samples;
   for (const NavigationEstimate& estimate : estimates) {
-    if (!estimate.reference || estimate.verdict != Verdict::ok) continue;
+    // the reference's own answer, whoever else has answered; not that of a new one about itself
+    if (!estimate.reference || estimate.reference->motion.status != EstimateStatus::ok ||
+        estimate.reference->reference_stamp == estimate.stamp) {
+      continue;
+    }
     const auto reference = pose_at(truth, estimate.reference->reference_stamp, tolerance_s);
     const auto camera = pose_at(truth, estimate.stamp, tolerance_s);
     if (!reference || !camera) continue;

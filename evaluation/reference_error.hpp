@@ -9,7 +9,8 @@
 
 namespace stillkite {
 
-/// Errors of poses seen from their reference frames, over the frames whose verdict is ok.
+/// Errors of poses seen from their reference frames, over the frames whose report's status is ok,
+/// whatever the frame's own verdict.
 struct ReferenceError {
   int rotations = 0;
   double rotation_median_deg = 0;

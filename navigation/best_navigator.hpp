@@ -3,11 +3,11 @@
 #include <variant>
 #include <vector>
 
-#include "estimation/estimate_choice.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/keyframe_navigator.hpp"
 #include "navigation/paper_navigator.hpp"
 #include "navigation/reference_navigator.hpp"
+#include "stabilization/estimate_choice.hpp"
 
 namespace stillkite {
 

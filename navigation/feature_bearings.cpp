@@ -19,6 +19,33 @@ FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& trac
   return bearings;
 }
 
+std::vector<std::size_t> spread_pairs(const std::vector<BearingPair>& pairs,
+                                      const std::vector<unsigned char>& inliers,
+                                      const std::vector<Eigen::Vector2d>& at_hand,
+                                      std::size_t count) {
+  constexpr double kApart = 0.02;
+  std::vector<std::size_t> chosen;
+  std::vector<double> distance(std::min(pairs.size(), inliers.size()), 1e9);
+  if (count == 0 || distance.empty()) return chosen;
+  chosen.reserve(count);
+  const auto keep_away = [&](const Eigen::Vector2d& from) {
+    for (std::size_t i = 0; i < distance.size(); ++i) {
+      distance[i] = std::min(distance[i], (pairs[i].reference - from).squaredNorm());
+    }
+  };
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    if (inliers[i] == 0) distance[i] = 0;
+  }
+  for (const Eigen::Vector2d& bearing : at_hand) keep_away(bearing);
+  while (chosen.size() < count) {
+    const auto farthest = std::max_element(distance.begin(), distance.end());
+    if (!(*farthest > kApart * kApart)) break;
+    chosen.push_back(static_cast<std::size_t>(farthest - distance.begin()));
+    keep_away(pairs[chosen.back()].reference);
+  }
+  return chosen;
+}
+
 double mean_shift_px(const FeatureTracks& tracks) {
   double sum = 0;
   int count = 0;

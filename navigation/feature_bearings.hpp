@@ -17,6 +17,13 @@ struct FeatureBearings {
 };
 [[nodiscard]] FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks);
 
+/// Up to `count` inliers spread over the reference: each next one as far from those chosen and at
+/// hand as can be, none nearer than 0.02 on z = 1.
+[[nodiscard]] std::vector<std::size_t> spread_pairs(const std::vector<BearingPair>& pairs,
+                                                    const std::vector<unsigned char>& inliers,
+                                                    const std::vector<Eigen::Vector2d>& at_hand,
+                                                    std::size_t count);
+
 /// Mean length of the found features' way from the reference to now, in the picture.
 [[nodiscard]] double mean_shift_px(const FeatureTracks& tracks);
 

@@ -77,6 +77,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const bool landmarks_taken = !interval.spoiled && see_landmarks();
   if (!has_gyro_) take_rate(flow_taken ? flow : reference);
   velocity_in_world_m_s_ = 0.5 * (velocity_before + filter_.velocity_in_world_m_s());
+  const MotionEstimate since_reference = motion_since_reference(reference.reference->motion);
   // 4. The camera, wherever it is, is what new landmarks and the ground will be seen from.
   if (reference.reference->new_reference) {
     filter_.take_anchor();
@@ -92,7 +93,26 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   out.new_keyframe = reference.new_keyframe;
   out.quality = reference.quality;
   out.reference = reference.reference;
+  if (verdict == Verdict::ok && out.scale != ScaleSource::none) {
+    out.reference->motion = since_reference;
+  }
   return out;
+}
+
+// What the filter makes of what the reference estimator says of it.
+MotionEstimate FusedNavigator::motion_since_reference(const MotionEstimate& by_reference) const {
+  MotionEstimate motion = by_reference;
+  const RigidTransform seen = filter_.anchor_from_camera_m();
+  const Matrix6d covariance = filter_.anchored_covariance();
+  motion.status = EstimateStatus::ok;
+  motion.source = EstimateSource::fused;
+  motion.reference_from_camera = seen.rotation;
+  motion.rotation_covariance = covariance.bottomRightCorner<3, 3>();
+  motion.displacement_kind = DisplacementKind::metric;
+  motion.displacement_in_reference = seen.translation;
+  motion.displacement_covariance = covariance.topLeftCorner<3, 3>();
+  motion.scale = scale_;
+  return motion;
 }
 
 // As it was, and on by what the flow has turned since.
@@ -194,31 +214,15 @@ double FusedNavigator::feature_sigma() const {
   return config_.pixel_sigma_px / camera_.focal_x_px;
 }
 
-// Spread over the picture: each next one as far from those at hand as can be.
 void FusedNavigator::choose_landmarks() {
   const FeatureBearings& bearings = reference_.bearings();
-  const std::vector<unsigned char>& inliers = reference_.inliers();
-  const std::size_t count = std::min(bearings.pairs.size(), inliers.size());
-  const auto lacking = static_cast<std::size_t>(config_.landmarks) - filter_.landmarks().size();
-  if (lacking == 0 || count == 0) return;
-  std::vector<double> distance(count, 1e9);
-  const auto keep_away = [&](const Eigen::Vector2d& from) {
-    for (std::size_t i = 0; i < count; ++i) {
-      distance[i] = std::min(distance[i], (bearings.pairs[i].reference - from).squaredNorm());
-    }
-  };
-  for (std::size_t i = 0; i < count; ++i) {
-    if (inliers[i] == 0) distance[i] = 0;
-  }
-  for (const Landmark& landmark : filter_.landmarks()) keep_away(landmark.bearing);
-  for (std::size_t added = 0; added < lacking; ++added) {
-    const auto farthest = std::max_element(distance.begin(), distance.end());
-    constexpr double kApart = 0.02;
-    if (!(*farthest > kApart * kApart)) return;
-    const auto i = static_cast<std::size_t>(farthest - distance.begin());
-    const Eigen::Vector2d bearing = bearings.pairs[i].reference;
-    filter_.add_landmark(static_cast<int>(bearings.feature_of_pair[i]), bearing, feature_sigma());
-    keep_away(bearing);
+  std::vector<Eigen::Vector2d> at_hand;
+  at_hand.reserve(filter_.landmarks().size());
+  for (const Landmark& landmark : filter_.landmarks()) at_hand.push_back(landmark.bearing);
+  const auto lacking = static_cast<std::size_t>(config_.landmarks) - at_hand.size();
+  for (const std::size_t i : spread_pairs(bearings.pairs, reference_.inliers(), at_hand, lacking)) {
+    filter_.add_landmark(static_cast<int>(bearings.feature_of_pair[i]), bearings.pairs[i].reference,
+                         feature_sigma());
   }
 }
 

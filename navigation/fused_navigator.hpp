@@ -35,6 +35,7 @@ class FusedNavigator {
   [[nodiscard]] bool see_ground();
   [[nodiscard]] bool see_landmarks();
   void choose_landmarks();
+  [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;
   [[nodiscard]] double feature_sigma() const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 

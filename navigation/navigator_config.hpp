@@ -1,6 +1,5 @@
 #pragma once
 
-#include "estimation/estimate_choice.hpp"
 #include "estimation/fusion_config.hpp"
 #include "estimation/keyframe_pose.hpp"
 #include "estimation/motion_filter.hpp"
@@ -8,6 +7,7 @@
 #include "geometry/fields.hpp"
 #include "navigation/paper_config.hpp"
 #include "navigation/reference_config.hpp"
+#include "stabilization/estimate_choice.hpp"
 
 namespace stillkite {
 

@@ -34,6 +34,7 @@ std::vector<NavigationEstimate> estimates(double turn_deg, double direction_deg,
     estimate.reference.emplace();
     estimate.reference->reference_stamp = poses.front().stamp;
     MotionEstimate& motion = estimate.reference->motion;
+    motion.status = EstimateStatus::ok;
     motion.reference_from_camera =
         so3_exp(Eigen::Vector3d(0, turn_deg * kDegree, 0)) * way.rotation;
     const Eigen::Vector3d across = way.translation.unitOrthogonal();
@@ -66,7 +67,7 @@ TEST(ReferenceError, TellsMetricDisplacements) {
 
 TEST(ReferenceError, CountsOnlyFramesThatMeasured) {
   auto lost = estimates(1, 1, DisplacementKind::direction);
-  for (NavigationEstimate& e : lost) e.verdict = Verdict::lost;
+  for (NavigationEstimate& e : lost) e.reference->motion.status = EstimateStatus::lost;
   EXPECT_FALSE(reference_error(lost, truth(), kMount, 0.01));
   EXPECT_FALSE(reference_error(estimates(1, 1, DisplacementKind::direction), {}, kMount, 0.01));
 }

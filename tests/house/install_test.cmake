@@ -1,12 +1,18 @@
-# Installs BUILD_DIR under WORK_DIR, then configures, builds and runs CONSUMER_DIR against nothing
-# but that installation.
+# Installs BUILD_DIR under WORK_DIR, then configures, builds and runs CONSUMER_DIR and EXAMPLES_DIR
+# against nothing but that installation; the example on a flight that the installed command made of
+# FLIGHT_CONFIG.
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK_DIR})
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/prefix)
-run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${WORK_DIR}/build -G ${GENERATOR}
-    -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix)
-run(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
-run(${WORK_DIR}/build/consumer)
+foreach(project IN ITEMS CONSUMER EXAMPLES)
+  run(${CMAKE_COMMAND} -S ${${project}_DIR} -B ${WORK_DIR}/${project} -G ${GENERATOR}
+      -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix)
+  run(${CMAKE_COMMAND} --build ${WORK_DIR}/${project})
+endforeach()
+run(${WORK_DIR}/CONSUMER/consumer)
+run(${WORK_DIR}/prefix/bin/stillkite simulate ${FLIGHT_CONFIG} --set flight.duration_s=1
+    --out ${WORK_DIR}/flight)
+run(${WORK_DIR}/EXAMPLES/video_to_command ${WORK_DIR}/flight/flight.mp4)

@@ -1,4 +1,4 @@
-#include "estimation/estimate_choice.hpp"
+#include "stabilization/estimate_choice.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
