@@ -4,36 +4,13 @@
 #include <functional>
 
 #include "estimation/ground_relief.hpp"
+#include "navigation/motion_from_start.hpp"
 
 namespace stillkite {
 namespace {
 
 // Systematic errors of a feature's place: interpolation, the lens.
 constexpr double kFeatureSigma_px = 0.3;
-
-EstimateStatus status_of_flow(Verdict verdict) {
-  const bool is_measured = verdict == Verdict::ok || verdict == Verdict::first_frame;
-  return is_measured ? EstimateStatus::ok : EstimateStatus::lost;
-}
-
-// Seen from the camera at the start, in heights where there are no metres.
-MotionEstimate flow_motion(const NavigationEstimate& flow, const RigidTransform& world_from_start,
-                           const RigidTransform& body_from_camera) {
-  const RigidTransform start_from_camera =
-      world_from_start.inverse() * (flow.world_from_body * body_from_camera);
-  const Eigen::Matrix3d R = world_from_start.rotation.conjugate().toRotationMatrix();
-  MotionEstimate motion;
-  motion.stamp = flow.stamp;
-  motion.source = EstimateSource::flow;
-  motion.status = status_of_flow(flow.verdict);
-  motion.reference_from_camera = start_from_camera.rotation;
-  motion.rotation_covariance = R * flow.pose_covariance.bottomRightCorner<3, 3>() * R.transpose();
-  motion.displacement_kind =
-      flow.scale == ScaleSource::none ? DisplacementKind::unknown : DisplacementKind::metric;
-  motion.displacement_in_reference = start_from_camera.translation;
-  motion.displacement_covariance = R * flow.pose_covariance.topLeftCorner<3, 3>() * R.transpose();
-  return motion;
-}
 
 // The inverse of how motion_from in the reference navigator turns a pose into a motion.
 RelativePose relative_pose(const MotionEstimate& motion) {
@@ -76,7 +53,7 @@ NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& 
 EstimatePair BestNavigator::pair_of(const NavigationEstimate& flow,
                                     const NavigationEstimate& reference) const {
   const ReferenceReport& report = *reference.reference;
-  EstimatePair pair{.flow = flow_motion(flow, *world_from_start_, body_from_camera_),
+  EstimatePair pair{.flow = motion_from_start(flow, *world_from_start_, body_from_camera_),
                     .reference = report.motion,
                     .start_from_reference = start_from_reference_,
                     .relief_ratio = {},

@@ -1,12 +1,9 @@
 #include "navigation/hover_pilot.hpp"
 
+#include "navigation/motion_from_start.hpp"
+
 namespace stillkite {
 namespace {
-
-EstimateStatus flow_status(Verdict verdict) {
-  const bool is_measured = verdict == Verdict::ok || verdict == Verdict::first_frame;
-  return is_measured ? EstimateStatus::ok : EstimateStatus::lost;
-}
 
 // What is seen from a later reference, turned as the camera hung at the start: the attitude leads
 // back to there, the place is the later reference's, for no length leads further.
@@ -38,23 +35,7 @@ MotionEstimate motion_estimate(const NavigationEstimate& estimate,
     return estimate.reference->is_home ? seen
                                        : with_first_attitude(seen, start_from_camera.rotation);
   }
-  const Eigen::Matrix3d R = world_from_start.rotation.conjugate().toRotationMatrix();
-  const bool is_metric = estimate.scale != ScaleSource::none;
-  MotionEstimate motion;
-  motion.stamp = estimate.stamp;
-  motion.source = estimate.source;
-  motion.status = flow_status(estimate.verdict);
-  motion.reference_from_camera = start_from_camera.rotation;
-  motion.rotation_covariance =
-      R * estimate.pose_covariance.bottomRightCorner<3, 3>() * R.transpose();
-  motion.displacement_kind = is_metric ? DisplacementKind::metric : DisplacementKind::unknown;
-  if (is_metric) motion.displacement_in_reference = start_from_camera.translation;
-  motion.displacement_covariance =
-      R * estimate.pose_covariance.topLeftCorner<3, 3>() * R.transpose();
-  motion.twist_in_camera = estimate.twist_in_camera;
-  motion.scale = estimate.scale;
-  motion.scale_age_s = estimate.scale_age_s;
-  return motion;
+  return motion_from_start(estimate, world_from_start, body_from_camera);
 }
 
 HoverPilot::HoverPilot(const Camera& camera, const RigidTransform& body_from_camera,

@@ -1,0 +1,37 @@
+#include "navigation/motion_from_start.hpp"
+
+namespace stillkite {
+namespace {
+
+EstimateStatus status_by(Verdict verdict) {
+  const bool is_measured = verdict == Verdict::ok || verdict == Verdict::first_frame;
+  return is_measured ? EstimateStatus::ok : EstimateStatus::lost;
+}
+
+}  // namespace
+
+MotionEstimate motion_from_start(const NavigationEstimate& estimate,
+                                 const RigidTransform& world_from_start,
+                                 const RigidTransform& body_from_camera) {
+  const RigidTransform start_from_camera =
+      world_from_start.inverse() * (estimate.world_from_body * body_from_camera);
+  const Eigen::Matrix3d R = world_from_start.rotation.conjugate().toRotationMatrix();
+  const bool is_metric = estimate.scale != ScaleSource::none;
+  MotionEstimate motion;
+  motion.stamp = estimate.stamp;
+  motion.source = estimate.source;
+  motion.status = status_by(estimate.verdict);
+  motion.reference_from_camera = start_from_camera.rotation;
+  motion.rotation_covariance =
+      R * estimate.pose_covariance.bottomRightCorner<3, 3>() * R.transpose();
+  motion.displacement_kind = is_metric ? DisplacementKind::metric : DisplacementKind::unknown;
+  motion.displacement_in_reference = start_from_camera.translation;
+  motion.displacement_covariance =
+      R * estimate.pose_covariance.topLeftCorner<3, 3>() * R.transpose();
+  motion.twist_in_camera = estimate.twist_in_camera;
+  motion.scale = estimate.scale;
+  motion.scale_age_s = estimate.scale_age_s;
+  return motion;
+}
+
+}  // namespace stillkite
