@@ -38,6 +38,12 @@ Signal between(double start, double way, double duration_s, std::vector<Signal::
   return signal;
 }
 
+// Half of way (1 - cos(2 pi t / T)) on top.
+void there_and_back(double way, double duration_s, Signal& signal) {
+  signal.offset += way / 2;
+  signal.sines.push_back({-way / 2, 2 * std::numbers::pi / duration_s, std::numbers::pi / 2});
+}
+
 // x = v/w (sin(psi + wt) - sin psi), y = v/w (cos psi - cos(psi + wt)), banked into the turn.
 void turn(const FlightConfig& config, Trajectory& trajectory) {
   const double rate = config.turn_rate_deg_s * kDegree;
@@ -54,12 +60,13 @@ void turn(const FlightConfig& config, Trajectory& trajectory) {
 }  // namespace
 
 Trajectory make_trajectory(const FlightConfig& config, std::uint64_t seed) {
-  const bool line = config.shape == FlightShape::line;
-  if (!(config.height_m + (line ? config.climb_m : 0.0) - 3 * config.sway_m > 0)) {
+  const bool is_line = config.shape == FlightShape::line;
+  const bool is_turn = config.shape == FlightShape::turn;
+  if (!(config.height_m + (is_turn ? 0.0 : config.climb_m) - 3 * config.sway_m > 0)) {
     throw InputError("flight: from height_m " + std::to_string(config.height_m) + " climb_m " +
                      std::to_string(config.climb_m) + " leads into the ground; climb less down");
   }
-  if (!line && config.turn_rate_deg_s == 0) {
+  if (is_turn && config.turn_rate_deg_s == 0) {
     throw InputError("flight.turn_rate_deg_s: 0 is no turn; give a rate or take shape: line");
   }
   const double heading = config.heading_deg * kDegree;
@@ -71,13 +78,18 @@ Trajectory make_trajectory(const FlightConfig& config, std::uint64_t seed) {
   const double tilt_rms = config.tilt_sway_deg * kDegree;
   const double T = config.duration_s;
   Trajectory trajectory{
-      .x_m = between(0, line ? x_way : 0, T, sway(config.sway_m, 0)),
-      .y_m = between(0, line ? y_way : 0, T, sway(config.sway_m, 1)),
-      .z_m = between(config.height_m, line ? config.climb_m : 0, T, sway(config.sway_m, 2)),
+      .x_m = between(0, is_line ? x_way : 0, T, sway(config.sway_m, 0)),
+      .y_m = between(0, is_line ? y_way : 0, T, sway(config.sway_m, 1)),
+      .z_m = between(config.height_m, is_line ? config.climb_m : 0, T, sway(config.sway_m, 2)),
       .yaw_rad = {heading, 0, sway(config.yaw_sway_deg * kDegree, 3)},
       .pitch_rad = {config.pitch_deg * kDegree, 0, sway(tilt_rms, 4)},
       .roll_rad = {config.roll_deg * kDegree, 0, sway(tilt_rms, 5)}};
-  if (!line) turn(config, trajectory);
+  if (is_turn) turn(config, trajectory);
+  if (config.shape == FlightShape::out_and_back) {
+    there_and_back(x_way, T, trajectory.x_m);
+    there_and_back(y_way, T, trajectory.y_m);
+    there_and_back(config.climb_m, T, trajectory.z_m);
+  }
   return trajectory;
 }
 

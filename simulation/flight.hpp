@@ -10,12 +10,14 @@
 
 namespace stillkite {
 
-enum class FlightShape { line, turn };
+enum class FlightShape { line, turn, out_and_back };
 
 template <>
 struct EnumNames<FlightShape> {
   static constexpr auto value = std::to_array<std::pair<FlightShape, std::string_view>>(
-      {{FlightShape::line, "line"}, {FlightShape::turn, "turn"}});
+      {{FlightShape::line, "line"},
+       {FlightShape::turn, "turn"},
+       {FlightShape::out_and_back, "out_and_back"}});
 };
 
 /// The defaults are the flow paper's flight (section 5): 150 s, 400 m high, 1 km ahead, 100 m
@@ -37,15 +39,18 @@ struct FlightConfig {
   double yaw_sway_deg = 2.0;
 
   static void fields(auto& self, auto&& field) {
-    field("shape", self.shape, "line: straight ahead or hovering; turn: a coordinated turn");
+    field("shape", self.shape,
+          "line: straight ahead or hovering; turn: a coordinated turn, of which the ways forward, "
+          "left and up tell nothing; out_and_back: that far at half time, home at the end, always "
+          "looking ahead");
     field("duration_s", self.duration_s, kPositive, "from the first frame to the last");
     field("height_m", self.height_m, kPositive, "of the body over z = 0 at the start");
     field("heading_deg", self.heading_deg, kAny, "yaw at the start");
     field("pitch_deg", self.pitch_deg, Range{-80, 80}, "mean pitch, nose down is positive");
     field("roll_deg", self.roll_deg, Range{-80, 80}, "mean roll of a line");
-    field("forward_m", self.forward_m, kAny, "line: way along the heading; 0 hovers");
-    field("left_m", self.left_m, kAny, "line: way to the left of the heading");
-    field("climb_m", self.climb_m, kAny, "line: way up, descents are negative");
+    field("forward_m", self.forward_m, kAny, "way along the heading; 0 hovers");
+    field("left_m", self.left_m, kAny, "way to the left of the heading");
+    field("climb_m", self.climb_m, kAny, "way up, descents are negative");
     field("speed_m_s", self.speed_m_s, kPositive, "turn: speed along the circle");
     field("turn_rate_deg_s", self.turn_rate_deg_s, kAny, "turn: to the left if positive, not 0");
     field("sway_m", self.sway_m, kNotNegative, "irregular motion, RMS an axis");
@@ -54,8 +59,8 @@ struct FlightConfig {
   }
 };
 
-/// The irregular part (sines of 4 to 40 s) comes from the seed. Of a line's position and height it
-/// vanishes at both ends, so that start and way are exact. Starts at x = y = 0.
+/// The irregular part (sines of 4 to 40 s) comes from the seed. Of the position it vanishes at both
+/// ends but in a turn, so that start and way are exact. Starts at x = y = 0.
 /// Throws InputError if the way leads into the ground or a turn does not turn.
 [[nodiscard]] Trajectory make_trajectory(const FlightConfig& config, std::uint64_t seed);
 

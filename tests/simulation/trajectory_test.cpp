@@ -37,7 +37,8 @@ TEST_P(Derivatives, MatchTheNumericOnes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Trajectory, Derivatives,
-                         testing::Values(FlightShape::line, FlightShape::turn),
+                         testing::Values(FlightShape::line, FlightShape::turn,
+                                         FlightShape::out_and_back),
                          [](const auto& shape) { return std::string(name_of(shape.param)); });
 
 TEST(Trajectory, DefaultIsTheFlowPapersFlight) {
@@ -71,6 +72,17 @@ TEST(Trajectory, SeedsDifferOnlyInTheIrregularPart) {
              make_trajectory(config, 2).at(33).world_from_body.translation)
                 .norm(),
             1e-12);
+}
+
+TEST(Trajectory, OutAndBackTurnsHalfWayAndEndsAtRestWhereItBegan) {
+  FlightConfig config{.shape = FlightShape::out_and_back, .forward_m = 500, .sway_m = 0};
+  const Trajectory trajectory = make_trajectory(config, 3);
+  const Eigen::Vector3d start(0, 0, 400);
+  EXPECT_LT((trajectory.at(75).world_from_body.translation - Eigen::Vector3d(500, 100, 350)).norm(),
+            1e-9);
+  EXPECT_LT(trajectory.at(75).velocity_in_world_m_s.norm(), 1e-9);
+  EXPECT_LT((trajectory.at(150).world_from_body.translation - start).norm(), 1e-9);
+  EXPECT_LT(trajectory.at(150).velocity_in_world_m_s.norm(), 1e-9);
 }
 
 // Without sway: speed along the nose, circle of radius v / w, and no specific force sideways.
