@@ -51,7 +51,7 @@ json hover_estimate_json(std::span<const TrialRecord> records) {
       if (error.position_error_m) positions_m.push_back(*error.position_error_m);
       if (error.velocity_error_m_s) velocities_m_s.push_back(*error.velocity_error_m_s);
       if (error.pose_nees) nees.push_back(*error.pose_nees);
-      const bool tells = error.verdict == Verdict::ok || error.verdict == Verdict::first_frame;
+      const bool tells = is_measured(error.verdict);
       available.push_back(tells ? 1 : 0);
     }
   }

@@ -40,6 +40,10 @@ class FusionFilter {
 
   /// Drops the landmarks: the camera, here, is the anchor of those to come.
   void take_anchor();
+  [[nodiscard]] FusionMap map() const;
+  /// That map's anchor and landmarks instead of those at hand. What the camera has seen since it
+  /// was left is taken to tell nothing of them.
+  void restore(const FusionMap& map);
   /// A feature of the reference frame, seen from the anchor at `bearing`; both on z = 1.
   void add_landmark(int feature, const Eigen::Vector2d& bearing, double sigma);
   /// False: not such a landmark, behind the camera, or refused.

@@ -31,6 +31,37 @@ void FusionFilter::add_landmark(int feature, const Eigen::Vector2d& bearing, dou
   P_(column + 2, column + 2) = square(config_.inverse_depth_sigma_ratio * inverse_depth);
 }
 
+FusionMap FusionFilter::map() const {
+  const int landmarks = size() - Index::kLandmarks;
+  FusionMap map{state_.world_from_anchor, landmarks_,
+                Eigen::MatrixXd(6 + landmarks, 6 + landmarks)};
+  map.covariance << P_.block<6, 6>(Index::kAnchorRotation, Index::kAnchorRotation),
+      P_.block(Index::kAnchorRotation, Index::kLandmarks, 6, landmarks),
+      P_.block(Index::kLandmarks, Index::kAnchorRotation, landmarks, 6),
+      P_.block(Index::kLandmarks, Index::kLandmarks, landmarks, landmarks);
+  return map;
+}
+
+void FusionFilter::restore(const FusionMap& map) {
+  state_.world_from_anchor = map.world_from_anchor;
+  landmarks_ = map.landmarks;
+  for (Landmark& landmark : landmarks_) landmark.refused = 0;
+  const int n = size();
+  const int landmarks = n - Index::kLandmarks;
+  P_.block(Index::kAnchorRotation, 0, 6, n).setZero();
+  P_.block(0, Index::kAnchorRotation, n, 6).setZero();
+  P_.block(Index::kLandmarks, 0, landmarks, n).setZero();
+  P_.block(0, Index::kLandmarks, n, landmarks).setZero();
+  P_.block<6, 6>(Index::kAnchorRotation, Index::kAnchorRotation) =
+      map.covariance.topLeftCorner<6, 6>();
+  P_.block(Index::kAnchorRotation, Index::kLandmarks, 6, landmarks) =
+      map.covariance.topRightCorner(6, landmarks);
+  P_.block(Index::kLandmarks, Index::kAnchorRotation, landmarks, 6) =
+      map.covariance.bottomLeftCorner(landmarks, 6);
+  P_.block(Index::kLandmarks, Index::kLandmarks, landmarks, landmarks) =
+      map.covariance.bottomRightCorner(landmarks, landmarks);
+}
+
 bool FusionFilter::update_landmark(int feature, const Eigen::Vector2d& seen, double sigma) {
   const auto found = std::find_if(landmarks_.begin(), landmarks_.end(),
                                   [&](const Landmark& l) { return l.feature == feature; });

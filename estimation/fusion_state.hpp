@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <vector>
 
 #include "geometry/rigid_transform.hpp"
 
@@ -34,6 +35,13 @@ struct Landmark {
   double inverse_depth = 0;   ///< 1 / map units
   bool is_on_ground = false;  ///< taken for it, once
   int refused = 0;            ///< times in a row that the gate refused it
+};
+
+/// A reference frame that was left, to be used again when it comes back into view.
+struct FusionMap {
+  RigidTransform world_from_anchor;
+  std::vector<Landmark> landmarks;
+  Eigen::MatrixXd covariance;  ///< (anchor's rotation, its position, landmarks)
 };
 
 /// Where the errors of FusionState begin in the error vector; then three a landmark (bearing,

@@ -38,6 +38,11 @@ struct EnumNames<Verdict> {
        {Verdict::gated, "gated"}});
 };
 
+/// The pose of that frame is known, not predicted.
+[[nodiscard]] constexpr bool is_measured(Verdict verdict) {
+  return verdict == Verdict::ok || verdict == Verdict::first_frame;
+}
+
 /// Where the metres come from.
 enum class ScaleSource { none, initial_height, range, barometer, map };
 

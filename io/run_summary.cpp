@@ -80,9 +80,8 @@ json run_summary(std::span<const NavigationEstimate> estimates, const RunFacts& 
   const std::vector<float> frame_ms(facts.frame_ms.begin(), facts.frame_ms.end());
   const NavigationEstimate* last = estimates.empty() ? nullptr : &estimates.back();
   const std::int64_t used =
-      std::count_if(estimates.begin(), estimates.end(), [](const NavigationEstimate& e) {
-        return e.verdict == Verdict::ok || e.verdict == Verdict::first_frame;
-      });
+      std::count_if(estimates.begin(), estimates.end(),
+                    [](const NavigationEstimate& e) { return is_measured(e.verdict); });
   const double frames_per_s = static_cast<double>(estimates.size()) / facts.wall_s;
   return {
       {"frames",

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "estimation/ground_relief.hpp"
+#include "navigation/motion_from_pose.hpp"
 #include "navigation/motion_from_start.hpp"
 
 namespace stillkite {
@@ -11,12 +12,6 @@ namespace {
 
 // Systematic errors of a feature's place: interpolation, the lens.
 constexpr double kFeatureSigma_px = 0.3;
-
-// The inverse of how motion_from in the reference navigator turns a pose into a motion.
-RelativePose relative_pose(const MotionEstimate& motion) {
-  const Eigen::Quaterniond current_from_reference = motion.reference_from_camera.conjugate();
-  return {current_from_reference, -(current_from_reference * motion.displacement_in_reference)};
-}
 
 Matrix6d both_turned(const Matrix6d& covariance, const Eigen::Quaterniond& rotation) {
   Matrix6d R = Matrix6d::Zero();
@@ -42,11 +37,15 @@ NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& 
   const NavigationEstimate flow =
       std::visit([&](auto& method) { return method.step(frame, interval, readings); }, flow_);
   const NavigationEstimate reference = reference_.step(frame, interval, readings);
+  if (reference.reference->is_back) start_from_reference_ = start_from_home_;
   // 2. Which of them is to be believed, and where the camera is by it.
   if (!world_from_start_) world_from_start_ = flow.world_from_body * body_from_camera_;
   decision_ = choice_.step(pair_of(flow, reference));
   // 3. A new reference is where the answer has the camera.
-  if (reference.reference->new_reference) start_from_reference_ = decision_.start_from_camera;
+  if (reference.reference->new_reference) {
+    if (reference.reference->is_home) start_from_home_ = start_from_reference_;
+    start_from_reference_ = decision_.start_from_camera;
+  }
   return answer(flow, reference);
 }
 
@@ -68,7 +67,7 @@ EstimatePair BestNavigator::pair_of(const NavigationEstimate& flow,
       decision_.home_from_flow *
       RigidTransform{pair.flow.reference_from_camera, pair.flow.displacement_in_reference};
   pair.relief_ratio =
-      ground_relief(pairs, reference_.inliers(), relative_pose(report.motion), normal, sigma);
+      ground_relief(pairs, reference_.inliers(), pose_from_motion(report.motion), normal, sigma);
   pair.misfit_ratio = ground_misfit(pairs, start_from_camera.inverse() * start_from_reference_,
                                     normal, world_from_reference.translation.z(), sigma);
   return pair;

@@ -40,6 +40,7 @@ class BestNavigator {
   EstimateDecision decision_;
   std::optional<RigidTransform> world_from_start_;  // the camera at the first frame
   RigidTransform start_from_reference_;             // where the reference frame's camera was
+  RigidTransform start_from_home_;                  // that of the first one
 };
 
 }  // namespace stillkite

@@ -18,8 +18,7 @@ namespace {
 
 // Neither the flow nor enough landmarks were to be believed, whatever the reference alone says.
 Verdict unmeasured(Verdict reference) {
-  const bool is_good = reference == Verdict::ok || reference == Verdict::first_frame;
-  return is_good ? Verdict::too_few_inliers : reference;
+  return is_measured(reference) ? Verdict::too_few_inliers : reference;
 }
 
 std::array<double, kStageCount> sum_of(std::array<double, kStageCount> a,
@@ -54,6 +53,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
       flow_from_camera_(initial.world_from_body * body_from_camera),
       filter_(config.fusion, initial.world_from_body * body_from_camera,
               kAnySpeed_heights_s * initial.world_from_body.translation.z()),
+      home_(filter_.map()),
       is_ground_flat_(config.fusion.flat_ground) {}
 
 NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval& interval,
@@ -74,12 +74,17 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   flow_from_camera_ = flow_from_camera;
   if (flow.verdict == Verdict::ok) judge_ground();
   const bool flow_taken = is_ground_flat_ && see_ground();
+  if (reference.reference->is_back) filter_.restore(home_);
   const bool landmarks_taken = !interval.spoiled && see_landmarks();
+  if (reference.reference->is_back) {
+    flow_from_anchor_ = flow_from_camera_ * filter_.anchor_from_camera_m().inverse();
+  }
   if (!has_gyro_) take_rate(flow_taken ? flow : reference);
   velocity_in_world_m_s_ = 0.5 * (velocity_before + filter_.velocity_in_world_m_s());
   const MotionEstimate since_reference = motion_since_reference(reference.reference->motion);
   // 4. The camera, wherever it is, is what new landmarks and the ground will be seen from.
   if (reference.reference->new_reference) {
+    if (reference.reference->is_home) home_ = filter_.map();
     filter_.take_anchor();
     flow_from_anchor_ = flow_from_camera_;
   }

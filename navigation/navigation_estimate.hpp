@@ -41,6 +41,7 @@ struct ReferenceReport {
   Timestamp reference_stamp;   ///< of that frame
   bool is_home = true;         ///< it is the first one; else only rotation leads further back
   bool new_reference = false;  ///< this frame is the reference from now on
+  bool is_back = false;        ///< the first one was found again, in this frame
   ViewModel model = ViewModel::undecided;
   int features = 0;        ///< of the reference, found again
   int inliers = 0;         ///< of them, those that the model explains

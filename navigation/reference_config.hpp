@@ -33,6 +33,7 @@ struct ReferenceConfig {
   int renew_every_frames = 0;
   int min_features = 100;
   int patience_frames = 10;
+  int seek_home_every_frames = 10;
   DetectorConfig detector{.max_features = 1000, .quality = 0.003, .min_distance_px = 8};
   Association association = Association::windows;
   FeatureTrackerConfig windows;
@@ -50,6 +51,8 @@ struct ReferenceConfig {
     field(
         "patience_frames", self.patience_frames, kNotNegative,
         "frames in a row with too few of them before a new reference is taken: they may come back");
+    field("seek_home_every_frames", self.seek_home_every_frames, kNotNegative,
+          "how often the first reference is looked for while another one is at hand; 0: never");
     field("detector", self.detector, "features of the reference frame");
     field("association", self.association,
           "the same features in later frames: by our Lucas-Kanade windows, by OpenCV's (the hold "

@@ -1,8 +1,13 @@
 #include "navigation/reference_navigator.hpp"
 
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
 #include "estimation/relative_pose_estimator.hpp"
 #include "geometry/angle.hpp"
 #include "navigation/assumptions.hpp"
+#include "navigation/motion_from_pose.hpp"
+#include "navigation/picture_texture.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
@@ -11,30 +16,14 @@ namespace {
 // What a loss leaves of the attitude: the camera turns on while nobody looks.
 constexpr double kLossSigma_rad = 5 * kDegree;
 constexpr int kFewestFeatures = 8;
+constexpr int kManyTimes = 2;
 constexpr double kSuddenShare = 0.5;
+constexpr int kCoarse = 8;  // pixels to one, in which noise is averaged away
 
-// The camera's origin seen from the reference, -R^T t, with its covariance: an error e of the
-// rotation (R = exp(e) R_true) and one of t move it by -R^T (e_t + [t]x e).
-void set_displacement(const RelativePoseEstimate& pose, MotionEstimate& motion) {
-  const Eigen::Matrix3d R = pose.pose.current_from_reference.toRotationMatrix();
-  Eigen::Matrix<double, 3, 6> J;
-  J << -R.transpose() * skew(pose.pose.direction), -R.transpose();
-  motion.displacement_in_reference = -(R.transpose() * pose.pose.direction);
-  motion.displacement_covariance = J * pose.covariance * J.transpose();
-}
-
-MotionEstimate motion_from(const RelativePoseEstimate& pose) {
-  MotionEstimate motion;
-  const Eigen::Quaterniond reference_from_camera = pose.pose.current_from_reference.conjugate();
-  const Eigen::Matrix3d R = reference_from_camera.toRotationMatrix();
-  motion.source = EstimateSource::reference;
-  motion.status = EstimateStatus::ok;
-  motion.reference_from_camera = reference_from_camera;
-  motion.rotation_covariance = R * pose.covariance.topLeftCorner<3, 3>() * R.transpose();
-  const bool has_direction = !pose.pose.direction.isZero();
-  motion.displacement_kind = has_direction ? DisplacementKind::direction : DisplacementKind::zero;
-  if (has_direction) set_displacement(pose, motion);
-  return motion;
+bool is_featureless(const cv::Mat& grey) {
+  cv::Mat coarse;
+  cv::resize(grey, coarse, {}, 1.0 / kCoarse, 1.0 / kCoarse, cv::INTER_AREA);
+  return is_bare(coarse);
 }
 
 Eigen::Vector3d up_in_camera(const Eigen::Quaterniond& world_from_camera) {
@@ -42,7 +31,7 @@ Eigen::Vector3d up_in_camera(const Eigen::Quaterniond& world_from_camera) {
 }
 
 EstimateStatus status_of(Verdict verdict) {
-  if (verdict == Verdict::ok || verdict == Verdict::first_frame) return EstimateStatus::ok;
+  if (is_measured(verdict)) return EstimateStatus::ok;
   return verdict == Verdict::gated ? EstimateStatus::gated : EstimateStatus::lost;
 }
 
@@ -56,10 +45,11 @@ ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransfor
       config_(config.reference),
       start_(initial.world_from_body * body_from_camera),
       mode_(mode),
-      association_(config.reference),
       gate_(config.reference.gate),
-      row_times_(config.reference.association == Association::matching ? 0 : config.readout_s,
-                 camera.height_px) {
+      reference_{FeatureAssociation(config.reference),
+                 {},
+                 {config.reference.association == Association::matching ? 0 : config.readout_s,
+                  camera.height_px}} {
   const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
   current_.world_from_camera = start_.rotation;
   current_.covariance =
@@ -73,17 +63,19 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   bearings_ = {};
   inliers_.clear();
   twist_.reset();
-  report_ = {.reference_stamp = reference_.stamp, .is_home = is_home_};
+  begin_report();
   // 1. The first frame is the one to hold. Nothing is learnt of a frozen picture, or out of turn.
   if (interval.spoiled == Verdict::first_frame) start_stamp_ = current_.stamp = frame.stamp;
   if (!has_reference_) return start(frame);
   if (interval.spoiled && !interval.is_late) return answer(frame, *interval.spoiled);
   // 2. Where the reference's features are in this frame; the lost ones are dropped.
-  const FeatureTracks& tracks = association_.find(frame.grey);
+  if (sees_home(frame, readings)) go_home();
+  const FeatureTracks& tracks = reference_.association.find(frame.grey);
   const double flow_ms = watch.lap_ms();
   // 3. Undistorted, they tell how the camera has turned and which way it has gone.
-  bearings_ = row_times_.at_stamp(feature_bearings(camera_, tracks), tracks, frame.stamp);
-  const RelativePoseEstimate pose = estimate(bearings_.pairs, readings.attitude);
+  bearings_ = reference_.row_times.at_stamp(feature_bearings(camera_, tracks), tracks, frame.stamp);
+  const RelativePoseEstimate pose =
+      estimate(bearings_.pairs, reference_, last_pose_, readings.attitude);
   // 4. Is it to be trusted? A rotation that changes too fast is not, three times.
   const Verdict verdict = judge(pose, tracks.found_count);
   report(tracks, pose, verdict);
@@ -96,6 +88,10 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   return out;
 }
 
+void ReferenceNavigator::begin_report() {
+  report_ = {.reference_stamp = reference_.attitude.stamp, .is_home = is_home_};
+}
+
 NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
   report_.new_reference = take_reference(frame, true);
   report_.reference_stamp = frame.stamp;
@@ -103,13 +99,14 @@ NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
 }
 
 RelativePoseEstimate ReferenceNavigator::estimate(
-    const std::vector<BearingPair>& pairs,
+    const std::vector<BearingPair>& pairs, const Reference& reference,
+    const std::optional<RelativePose>& prior,
     const std::optional<Eigen::Quaterniond>& world_from_body) const {
   if (config_.solver == PoseSolver::opencv) {
     return estimate_relative_pose_opencv(pairs, camera_.focal_x_px, config_.opencv_pose);
   }
-  RelativePoseHints hints{.prior = last_pose_,
-                          .up_in_reference = up_in_camera(reference_.world_from_camera)};
+  RelativePoseHints hints{.prior = prior,
+                          .up_in_reference = up_in_camera(reference.attitude.world_from_camera)};
   if (world_from_body) {
     hints.up_in_current = up_in_camera(*world_from_body * body_from_camera_.rotation);
   }
@@ -135,7 +132,7 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
   report_.features = tracks.found_count;
   report_.inliers = pose.inlier_count;
   report_.residual_px = pose.residual * camera_.focal_x_px;
-  if (verdict == Verdict::ok || verdict == Verdict::gated) report_.motion = motion_from(pose);
+  if (verdict == Verdict::ok || verdict == Verdict::gated) report_.motion = motion_from_pose(pose);
   report_.motion.mean_shift_px = mean_shift_px(tracks);
   report_.motion.parallax_rad = parallax_rad(bearings_.pairs, pose);
   windows_ = drawn_features(tracks, bearings_, pose);
@@ -145,15 +142,17 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
 void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
   const Eigen::Quaterniond reference_from_camera = pose.pose.current_from_reference.conjugate();
   Attitude next{.stamp = now,
-                .world_from_camera = reference_.world_from_camera * reference_from_camera,
+                .world_from_camera = reference_.attitude.world_from_camera * reference_from_camera,
                 .covariance = Eigen::Matrix3d::Zero(),
                 .covariance_from_reference = pose.covariance.topLeftCorner<3, 3>()};
   const Eigen::Matrix3d R = next.world_from_camera.toRotationMatrix();
-  next.covariance = reference_.covariance + R * next.covariance_from_reference * R.transpose();
+  next.covariance =
+      reference_.attitude.covariance + R * next.covariance_from_reference * R.transpose();
 
   const double dt_s = seconds_between(current_.stamp, now);
   const Eigen::Quaterniond turned = current_.world_from_camera.conjugate() * next.world_from_camera;
-  twist_ = Twist{.angular_rate_rad_s = so3_log(turned) / dt_s};
+  if (is_rate_known_) twist_ = Twist{.angular_rate_rad_s = so3_log(turned) / dt_s};
+  is_rate_known_ = true;
   rate_covariance_ =
       (current_.covariance_from_reference + next.covariance_from_reference) / (dt_s * dt_s);
   current_ = next;
@@ -172,9 +171,54 @@ void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdi
   report_.new_reference = is_due && take_reference(frame, measured);
 }
 
+// Many of its features, and of those most in one pose: less may be chance.
+bool ReferenceNavigator::sees_home(const Frame& frame, const SensorReadings& readings) {
+  if (!home_ || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
+  const FeatureTracks& tracks = home_->association.find(frame.grey);
+  if (tracks.found_count < kManyTimes * config_.min_features) return false;
+  const RelativePoseEstimate pose =
+      estimate(feature_bearings(camera_, tracks).pairs, *home_, {}, readings.attitude);
+  return pose.model != ViewModel::undecided && 2 * pose.inlier_count > tracks.found_count;
+}
+
+void ReferenceNavigator::go_home() {
+  reference_ = std::move(*home_);
+  home_.reset();
+  is_home_ = true;
+  is_rate_known_ = false;
+  begin_reference();
+  begin_report();
+  report_.is_back = true;
+}
+
+void ReferenceNavigator::begin_reference() {
+  last_pose_.reset();
+  gate_.reset();
+  frames_since_reference_ = failures_ = features_before_ = 0;
+}
+
+bool ReferenceNavigator::keeps_home() const {
+  // the hold paper holds to whatever is new; OpenCV's way drops features for good
+  return mode_ == Mode::recommended && config_.seek_home_every_frames > 0 &&
+         config_.renew_every_frames == 0 && config_.association != Association::opencv;
+}
+
 // A picture without features would be held to for ever: what there is stays until a better comes.
+bool ReferenceNavigator::set_reference(const cv::Mat& grey) {
+  if (is_featureless(grey)) return false;
+  if (!has_reference_ || !is_home_ || !keeps_home()) {
+    return reference_.association.set_reference(grey, config_.min_features);
+  }
+  FeatureAssociation association(config_);
+  if (!association.set_reference(grey, config_.min_features)) return false;
+  home_ = std::move(reference_);
+  frames_away_ = 0;
+  reference_.association = std::move(association);
+  return true;
+}
+
 bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
-  if (!association_.set_reference(frame.grey, config_.min_features)) return false;
+  if (!set_reference(frame.grey)) return false;
   if (!measured) {
     current_.stamp = frame.stamp;
     current_.covariance.diagonal().array() += kLossSigma_rad * kLossSigma_rad;
@@ -183,12 +227,10 @@ bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
   if (has_reference_ && mode_ == Mode::paper) current_.world_from_camera = start_.rotation;
   has_reference_ = true;
   current_.covariance_from_reference.setZero();
-  reference_ = current_;
-  reference_.stamp = frame.stamp;
-  row_times_.begin(frame.stamp);
-  last_pose_.reset();
-  gate_.reset();
-  frames_since_reference_ = failures_ = features_before_ = 0;
+  reference_.attitude = current_;
+  reference_.attitude.stamp = frame.stamp;
+  reference_.row_times.begin(frame.stamp);
+  begin_reference();
   return true;
 }
 

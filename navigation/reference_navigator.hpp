@@ -45,16 +45,30 @@ class ReferenceNavigator {
     Eigen::Matrix3d covariance_from_reference = Eigen::Matrix3d::Zero();  ///< in the camera
   };
 
+  /// A remembered frame.
+  struct Reference {
+    FeatureAssociation association;
+    Attitude attitude;
+    RowTimes row_times;
+  };
+
   NavigationEstimate start(const Frame& frame);
   [[nodiscard]] RelativePoseEstimate estimate(
-      const std::vector<BearingPair>& pairs,
+      const std::vector<BearingPair>& pairs, const Reference& reference,
+      const std::optional<RelativePose>& prior,
       const std::optional<Eigen::Quaterniond>& world_from_body) const;
+  [[nodiscard]] bool sees_home(const Frame& frame, const SensorReadings& readings);
+  void go_home();
+  void begin_report();
+  void begin_reference();
   [[nodiscard]] Verdict judge(const RelativePoseEstimate& pose, int features);
   [[nodiscard]] bool is_swept_away(int features) const;
   void report(const FeatureTracks& tracks, const RelativePoseEstimate& pose, Verdict verdict);
   void turn(const RelativePoseEstimate& pose, Timestamp now);
   void renew_reference(const Frame& frame, int features, Verdict verdict);
   [[nodiscard]] bool take_reference(const Frame& frame, bool measured);
+  [[nodiscard]] bool set_reference(const cv::Mat& grey);
+  [[nodiscard]] bool keeps_home() const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 
   Camera camera_;
@@ -62,18 +76,20 @@ class ReferenceNavigator {
   ReferenceConfig config_;
   RigidTransform start_;  // world from camera
   Mode mode_;
-  FeatureAssociation association_;
   RotationGate gate_;
-  RowTimes row_times_;
 
-  Attitude reference_, current_;
+  Reference reference_;
+  std::optional<Reference> home_;  // the first one, while another is at hand
+  Attitude current_;
   Timestamp start_stamp_;
   std::optional<RelativePose> last_pose_;  // from the reference at hand
   std::optional<Twist> twist_;
   Eigen::Matrix3d rate_covariance_ = Eigen::Matrix3d::Zero();
   bool has_reference_ = false;
   bool is_home_ = true;
+  bool is_rate_known_ = true;  // the last attitude is by the reference at hand
   int frames_since_reference_ = 0;
+  int frames_away_ = 0;      // from home
   int failures_ = 0;         // frames in a row that found too few features
   int features_before_ = 0;  // found in the last frame that was not lost
   ReferenceReport report_;

@@ -174,6 +174,33 @@ int outside_the_band(const std::array<double, 10>& nees) {
       std::count_if(nees.begin(), nees.end(), [](double x) { return x < kLow || x > kHigh; }));
 }
 
+// Seen for 3 s, left for 5 s of inertia alone, and found again: the place is known as before.
+TEST(FusionFilter, ARestoredMapTellsThePlaceAndAnHonestCovariance) {
+  constexpr int kSeeds = 60;
+  double left_m = 0;
+  double back_m = 0;
+  double nees = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    FusionSimulation flight(FusionScene{}, few_landmarks(), static_cast<std::uint64_t>(seed) + 500);
+    for (int i = 0; i < 90; ++i) flight.step();
+    const FusionMap home = flight.filter().map();
+    flight.filter().take_anchor();
+    flight.cover(true);
+    for (int i = 0; i < 150; ++i) flight.step();
+    left_m += flight.pose_error().head<3>().norm() / kSeeds;
+    flight.filter().restore(home);
+    flight.cover(false);
+    for (int i = 0; i < 30; ++i) flight.step();
+    const Vector6d error = flight.pose_error();
+    back_m += error.head<3>().norm() / kSeeds;
+    nees += error.dot(flight.filter().pose_covariance().ldlt().solve(error)) / kSeeds;
+  }
+  std::printf("off by %.3f m before, %.4f m after, NEES %.2f\n", left_m, back_m, nees);
+  EXPECT_LT(back_m, 0.1 * left_m);
+  EXPECT_GT(nees, kLow);
+  EXPECT_LT(nees, kHigh);
+}
+
 TEST(FusionFilter, CovarianceIsHonestWithAnImu) {
   EXPECT_LE(outside_the_band(nees_by_second(FusionScene{}, few_landmarks())), 1);
 }

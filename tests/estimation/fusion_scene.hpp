@@ -37,6 +37,9 @@ class FusionSimulation {
   /// To the next frame, 1/30 s on.
   void step();
 
+  /// No landmark is in view any more, or they are again.
+  void cover(bool is_covered) { scene_.has_landmarks = !is_covered; }
+
   [[nodiscard]] const FusionFilter& filter() const { return filter_; }
   [[nodiscard]] FusionFilter& filter() { return filter_; }
   [[nodiscard]] FusionTruth truth() const { return truth_at(time_s_); }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -170,6 +171,35 @@ TEST(ReferenceNavigator, CarriesRotationToANewReference) {
         << i;
     EXPECT_EQ(estimate.reference->new_reference, i % 3 == 0) << i;
     EXPECT_EQ(estimate.reference->is_home, i <= 3) << i;
+  }
+}
+
+// 60 degrees to the left, where nothing of the first picture is in view, and back.
+TEST(ReferenceNavigator, GoesBackToTheFirstReferenceWhenItIsSeenAgain) {
+  Navigator navigator = make_reference_navigator();
+  int back_at = -1;
+  for (int i = 0; i <= 60; ++i) {
+    const double yaw_deg = 3.0 * std::clamp(30 - std::abs(i - 25), 5, 25) - 15;
+    const RigidTransform truth = at(kHome + Eigen::Vector3d(0, 0.002, 0) * i, yaw_deg);
+    const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, i), i));
+    const ReferenceReport& reference = *estimate.reference;
+    EXPECT_TRUE(i != 25 || !reference.is_home);
+    if (reference.is_back) back_at = i;
+    if (i < 50) continue;
+    ASSERT_EQ(estimate.verdict, Verdict::ok) << i;
+    EXPECT_TRUE(reference.is_home) << i;
+    EXPECT_LT(errors_of(estimate, truth).rotation_deg, 0.2) << i;
+    EXPECT_LT(estimate.twist_in_camera.angular_rate_rad_s.norm(), 4 * kDegree * 30) << i;
+  }
+  EXPECT_GT(back_at, 30);
+}
+
+TEST(ReferenceNavigator, NoiseOfADarkPictureIsNoReference) {
+  Navigator navigator = make_reference_navigator();
+  (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
+  for (int i = 1; i < 20; ++i) {
+    const cv::Mat dark = develop(cv::Mat(240, 400, CV_32FC1, cv::Scalar(0)), {.noise_grey = 2}, i);
+    EXPECT_FALSE(navigator.step(frame_of(dark, i)).reference->new_reference) << i;
   }
 }
 
