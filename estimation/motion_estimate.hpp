@@ -24,15 +24,17 @@ struct EnumNames<EstimateSource> {
 
 enum class EstimateStatus {
   ok,
-  gated,  ///< measured, but too far from the last one to be believed at once
-  lost,   ///< nothing was measured
+  gated,      ///< measured, but too far from the last one to be believed at once
+  predicted,  ///< nothing was measured; inertia led there, as well as the covariance says
+  lost,       ///< nothing was measured
 };
 template <>
 struct EnumNames<EstimateStatus> {
-  static constexpr auto value =
-      std::to_array<std::pair<EstimateStatus, std::string_view>>({{EstimateStatus::ok, "ok"},
-                                                                  {EstimateStatus::gated, "gated"},
-                                                                  {EstimateStatus::lost, "lost"}});
+  static constexpr auto value = std::to_array<std::pair<EstimateStatus, std::string_view>>(
+      {{EstimateStatus::ok, "ok"},
+       {EstimateStatus::gated, "gated"},
+       {EstimateStatus::predicted, "predicted"},
+       {EstimateStatus::lost, "lost"}});
 };
 
 enum class DisplacementKind {

@@ -3,9 +3,11 @@
 namespace stillkite {
 namespace {
 
-EstimateStatus status_by(Verdict verdict) {
-  const bool is_measured = verdict == Verdict::ok || verdict == Verdict::first_frame;
-  return is_measured ? EstimateStatus::ok : EstimateStatus::lost;
+EstimateStatus status_of(const NavigationEstimate& estimate) {
+  if (is_measured(estimate.verdict)) return EstimateStatus::ok;
+  const bool is_carried_on =
+      estimate.source == EstimateSource::fused && estimate.scale != ScaleSource::none;
+  return is_carried_on ? EstimateStatus::predicted : EstimateStatus::lost;
 }
 
 }  // namespace
@@ -20,7 +22,7 @@ MotionEstimate motion_from_start(const NavigationEstimate& estimate,
   MotionEstimate motion;
   motion.stamp = estimate.stamp;
   motion.source = estimate.source;
-  motion.status = status_by(estimate.verdict);
+  motion.status = status_of(estimate);
   motion.reference_from_camera = start_from_camera.rotation;
   motion.rotation_covariance =
       R * estimate.pose_covariance.bottomRightCorner<3, 3>() * R.transpose();

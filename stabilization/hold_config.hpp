@@ -88,6 +88,7 @@ struct HoldConfig {
   HoldMode mode = HoldMode::recommended;
   VehicleLimits limits;
   double max_estimate_age_s = 0.5;
+  double max_predicted_sigma_m = 0.1;
   double max_tether_age_s = 0.2;
   double forget_after_s = 2.0;
   PaperHoldConfig paper;
@@ -98,6 +99,9 @@ struct HoldConfig {
     field("limits", self.limits, "the vehicle's");
     field("max_estimate_age_s", self.max_estimate_age_s, kPositive,
           "an estimate whose exposure is longer ago commands nothing");
+    field("max_predicted_sigma_m", self.max_predicted_sigma_m, kNotNegative,
+          "where nothing is measured, a place that inertia led to is steered by while its standard "
+          "deviation is below that");
     field("max_tether_age_s", self.max_tether_age_s, kPositive,
           "with a tether reading older than this nothing is commanded");
     field("forget_after_s", self.forget_after_s, kNotNegative,

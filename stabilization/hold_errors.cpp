@@ -1,6 +1,7 @@
 #include "stabilization/hold_errors.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "geometry/time.hpp"
@@ -24,6 +25,14 @@ bool is_finite(const MotionEstimate& estimate) {
          (!estimate.twist_in_camera || estimate.twist_in_camera->vector().allFinite());
 }
 
+// Of the place; infinite where it is not known in metres.
+double sigma_m(const MotionEstimate& estimate) {
+  if (estimate.displacement_kind != DisplacementKind::metric) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return std::sqrt(estimate.displacement_covariance.trace());
+}
+
 bool is_current(Timestamp stamp, Timestamp now, double max_age_s) {
   const double age_s = seconds_between(stamp, now);
   return age_s >= 0 && age_s <= max_age_s;
@@ -45,6 +54,10 @@ HoldReason reason_to_hold(const HoldConfig& config, const HoldInput& input) {
   if (!input.estimate) return HoldReason::no_estimate;
   const MotionEstimate& estimate = *input.estimate;
   if (estimate.status == EstimateStatus::lost) return HoldReason::estimate_lost;
+  if (estimate.status == EstimateStatus::predicted &&
+      !(sigma_m(estimate) <= config.max_predicted_sigma_m)) {
+    return HoldReason::estimate_lost;
+  }
   if (estimate.status == EstimateStatus::gated) return HoldReason::estimate_gated;
   if (!is_current(estimate.stamp, input.now, config.max_estimate_age_s)) {
     return HoldReason::estimate_stale;

@@ -117,8 +117,9 @@ HoldInput input_of(const Case& c) {
 
 std::vector<Case> every_case() {
   std::vector<Case> cases;
-  const std::array<std::optional<EstimateStatus>, 4> statuses = {
-      std::nullopt, EstimateStatus::ok, EstimateStatus::gated, EstimateStatus::lost};
+  const std::array<std::optional<EstimateStatus>, 5> statuses = {
+      std::nullopt, EstimateStatus::ok, EstimateStatus::gated, EstimateStatus::predicted,
+      EstimateStatus::lost};
   for (const HoldMode mode : {HoldMode::paper, HoldMode::recommended}) {
     for (const auto& status : statuses) {
       for (const auto& [kind, name] : EnumNames<DisplacementKind>::value) {
@@ -142,6 +143,9 @@ HoldReason promised_reason(const Case& c) {
   if (!c.status) return HoldReason::no_estimate;
   if (*c.status == EstimateStatus::lost) return HoldReason::estimate_lost;
   if (*c.status == EstimateStatus::gated) return HoldReason::estimate_gated;
+  if (*c.status == EstimateStatus::predicted && c.kind != DisplacementKind::metric) {
+    return HoldReason::estimate_lost;
+  }
   if (c.age_s < 0 || c.age_s > 0.5) return HoldReason::estimate_stale;
   if (c.flaw != Flaw::none && c.flaw != Flaw::huge) return HoldReason::not_finite;
   if (c.tether == Tether::absent) return HoldReason::no_tether_reading;
@@ -221,6 +225,19 @@ TEST(HoldController, OneControllerSurvivesThemAll) {
       if (testing::Test::HasFatalFailure()) return;
     }
   }
+}
+
+// Steered by as long as it is good to 10 cm in all, and never by a covariance that is no number.
+TEST(HoldController, APredictedPlaceCountsWhileItsCovarianceIsSmall) {
+  const auto reason_at = [](double variance_m2) {
+    Case c{.status = EstimateStatus::predicted, .kind = DisplacementKind::metric};
+    HoldInput input = input_of(c);
+    input.estimate->displacement_covariance = variance_m2 * Eigen::Matrix3d::Identity();
+    return HoldController({}).decide(input).reason;
+  };
+  EXPECT_EQ(reason_at(0.0032), HoldReason::none);
+  EXPECT_EQ(reason_at(0.0034), HoldReason::estimate_lost);
+  EXPECT_EQ(reason_at(std::numeric_limits<double>::quiet_NaN()), HoldReason::estimate_lost);
 }
 
 TEST(HoldController, AClockThatRunsBackStartsAfresh) {
