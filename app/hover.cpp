@@ -13,6 +13,7 @@
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
 #include "app/hover_comparison.hpp"
+#include "app/hover_estimates.hpp"
 #include "app/hover_report_trials.hpp"
 #include "app/hover_results.hpp"
 #include "app/hover_setup.hpp"
@@ -74,6 +75,7 @@ FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
   const nlohmann::json summary = hover_summary(records, policy, wall_s);
   write_file(out / "trials.csv", trials_csv(records, policy));
   write_file(out / "samples.csv", samples_csv(records));
+  write_file(out / "estimates.csv", hover_estimates_csv(records));
   write_file(out / "hover.yaml", print_config(config));
   write_file(out / "summary.json", summary.dump(2) + '\n');
   const std::vector<HoverReportTrial> drawn =
@@ -171,7 +173,8 @@ void add_hover(CLI::App& app) {
       ->check(CLI::Range(1, 1024));
   command->add_flag("--json", arguments->json, "Print summary.json on stdout and nothing else");
   command->footer(
-      "Writes trials.csv (a row a trial), samples.csv (a row a picture), summary.json, "
+      "Writes trials.csv (a row a trial), samples.csv (a row a picture), "
+      "estimates.csv (what each was off by), summary.json, "
       "report.html\n"
       "and the effective configuration hover.yaml; with --estimators a folder of these for each, "
       "and\ncomparison.json. Flights without stabilization are then flown once, with the first.");

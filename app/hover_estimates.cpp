@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -60,6 +61,24 @@ json hover_estimate_json(std::span<const TrialRecord> records) {
           {"velocity_p95_m_s", percentile_95_of(velocities_m_s)},
           {"nees_mean", mean_of(nees)},
           {"available_ratio", mean_of(available)}};
+}
+
+std::string hover_estimates_csv(std::span<const TrialRecord> records) {
+  std::string out =
+      "#trial,t [s],verdict,place_error [m],place_sigma [m],velocity_error [m/s],"
+      "turn_error [rad],turn_sigma [rad],nees\n";
+  const auto number = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.6g}", *value) : std::string();
+  };
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    for (const EstimateError& e : records[i].estimate_errors) {
+      fmt::format_to(std::back_inserter(out), "{},{:.4f},{},{},{:.6g},{},{:.6g},{:.6g},{}\n", i,
+                     to_seconds(e.stamp), name_of(e.verdict), number(e.position_error_m),
+                     e.position_sigma_m, number(e.velocity_error_m_s), e.rotation_error_rad,
+                     e.rotation_sigma_rad, number(e.pose_nees));
+    }
+  }
+  return out;
 }
 
 std::string hover_estimate_line(const json& estimate) {

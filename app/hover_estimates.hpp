@@ -13,6 +13,9 @@ namespace stillkite {
 /// pictures that told something. Null what no picture has.
 [[nodiscard]] nlohmann::json hover_estimate_json(std::span<const TrialRecord> records);
 
+/// One row a picture of every trial: what its estimate was off by and what it said of itself.
+[[nodiscard]] std::string hover_estimates_csv(std::span<const TrialRecord> records);
+
 /// One line for a person.
 [[nodiscard]] std::string hover_estimate_line(const nlohmann::json& estimate);
 

@@ -1,6 +1,7 @@
 #include "simulation/hover_estimate_error.hpp"
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 namespace stillkite {
 namespace {
@@ -9,6 +10,10 @@ std::optional<double> pose_nees(const Vector6d& error, const Matrix6d& covarianc
   const Eigen::LDLT<Matrix6d> factors(covariance);
   if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 0)) return std::nullopt;
   return error.dot(factors.solve(error));
+}
+
+double sigma_of(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(covariance.trace());
 }
 
 }  // namespace
@@ -21,12 +26,15 @@ EstimateError estimate_error(const NavigationEstimate& estimate,
   Vector6d error;
   error << truth.world_from_camera.translation - estimated.translation,
       so3_log(truth.world_from_camera.rotation * estimated.rotation.conjugate());
-  EstimateError out{.stamp = estimate.stamp,
-                    .verdict = estimate.verdict,
-                    .position_error_m = {},
-                    .velocity_error_m_s = {},
-                    .rotation_error_rad = error.tail<3>().norm(),
-                    .pose_nees = {}};
+  EstimateError out{
+      .stamp = estimate.stamp,
+      .verdict = estimate.verdict,
+      .position_error_m = {},
+      .velocity_error_m_s = {},
+      .rotation_error_rad = error.tail<3>().norm(),
+      .position_sigma_m = sigma_of(estimate.pose_covariance.topLeftCorner<3, 3>()),
+      .rotation_sigma_rad = sigma_of(estimate.pose_covariance.bottomRightCorner<3, 3>()),
+      .pose_nees = {}};
   // the reference's way is a direction, whatever was known of the height
   const bool is_metric =
       estimate.scale != ScaleSource::none && estimate.source != EstimateSource::reference;

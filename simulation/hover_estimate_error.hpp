@@ -14,6 +14,9 @@ struct EstimateError {
   std::optional<double> position_error_m;
   std::optional<double> velocity_error_m_s;  ///< nothing where the estimate has no metres
   double rotation_error_rad = 0;
+  /// As the estimate's covariance has them: square roots of its traces.
+  double position_sigma_m = 0;
+  double rotation_sigma_rad = 0;
   /// Six degrees of freedom; nothing of the first frame, without metres, or where the covariance is
   /// not positive definite.
   std::optional<double> pose_nees;
