@@ -15,6 +15,7 @@ enum class HoverStream : std::uint64_t {
   trial_wind,
   trial_kicks,
   pixels,
+  trial_sea,
 };
 
 [[nodiscard]] inline Random hover_random(std::uint64_t seed, HoverStream stream) {
