@@ -31,7 +31,7 @@ bool is_look_due(std::int64_t count, double period_s, double t_s) {
 HoverVideo::HoverVideo(const HoverConfig& config, const HoverWorld& world, const Trial& trial)
     : config_(config),
       world_(world),
-      is_looked_at_(trial.stabilized),
+      is_looked_at_(trial.stabilized || config.trials.estimate_off),
       noise_seed_(hover_random(trial.seed, HoverStream::pixels).bits()) {}
 
 bool HoverVideo::expose(const DroneTruth& truth, const Eigen::Quaterniond& attitude, Timestamp now,
