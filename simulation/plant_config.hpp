@@ -4,6 +4,7 @@
 
 #include "simulation/fault.hpp"
 #include "simulation/hover_sensors.hpp"
+#include "simulation/passers.hpp"
 #include "simulation/sea_motion.hpp"
 #include "simulation/simulation_config.hpp"
 #include "simulation/station_path.hpp"
@@ -39,6 +40,7 @@ struct PlantConfig {
   std::optional<SeaConfig> sea{};
   WindConfig wind{};
   std::optional<YawKickConfig> yaw_kicks{};
+  std::optional<PasserConfig> passers{};
   std::optional<FaultConfig> fault{};
 
   static void fields(auto& self, auto&& field) {
@@ -51,6 +53,7 @@ struct PlantConfig {
     field("sea", self.sea, "that carries the station's boat; null: it stands on land");
     field("wind", self.wind, "mean and gusts");
     field("yaw_kicks", self.yaw_kicks, "what turns the drone; null: nothing");
+    field("passers", self.passers, "what moves before the camera; null: nothing");
     field("fault", self.fault, "what goes wrong for a while; null: nothing");
   }
 };

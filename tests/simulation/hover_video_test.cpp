@@ -19,8 +19,8 @@ HoverConfig small_video() {
 }
 
 // What is sent of 1.05 s with a fault, while the drone goes ahead at 1 m/s.
-std::vector<SentPicture> sent_with(const FaultEffect& fault, bool is_stabilized = true) {
-  const HoverConfig config = small_video();
+std::vector<SentPicture> sent_with(const FaultEffect& fault, bool is_stabilized = true,
+                                   const HoverConfig& config = small_video()) {
   static const HoverWorld room = make_hover_world(config);
   HoverVideo video(config, room, {.stabilized = is_stabilized});
   std::vector<SentPicture> sent;
@@ -85,6 +85,18 @@ TEST(HoverVideo, AFloorThatRisesChangesThePictureBelowTheHorizonOnly) {
   const cv::Mat after = sent_with({.floor_rise_m = 0.3})[0].frame.grey;
   EXPECT_TRUE(is_same_picture(before.rowRange(0, 20), after.rowRange(0, 20)));
   EXPECT_FALSE(is_same_picture(before.rowRange(80, 120), after.rowRange(80, 120)));
+}
+
+// The room's camera is 3 m up and goes ahead: who walks 2.7 m away is seen from the start.
+TEST(HoverVideo, WhoPassesIsSeenAndMoves) {
+  HoverConfig config = small_video();
+  config.plant.camera.noise_grey = 0;
+  const cv::Mat empty = sent_with({}, true, config)[0].frame.grey;
+  config.plant.passers = PasserConfig{.reach_m = 0.5};
+  const std::vector<SentPicture> sent = sent_with({}, true, config);
+  EXPECT_FALSE(is_same_picture(empty, sent[0].frame.grey));
+  EXPECT_TRUE(is_same_picture(empty.rowRange(0, 40), sent[0].frame.grey.rowRange(0, 40)));
+  EXPECT_FALSE(is_same_picture(sent[0].frame.grey, sent_with({}, true, config)[1].frame.grey));
 }
 
 }  // namespace
