@@ -38,11 +38,13 @@ class HoverVideo {
  private:
   [[nodiscard]] cv::Mat light(const DroneTruth& truth, Timestamp now,
                               const FaultEffect& fault) const;
+  [[nodiscard]] double gain(Timestamp now) const;
   [[nodiscard]] cv::Mat picture(const DroneTruth& truth, Timestamp now,
                                 const FaultEffect& fault) const;
 
   const HoverConfig& config_;
   const HoverWorld& world_;
+  double duration_s_;
   bool is_looked_at_;
   std::uint64_t noise_seed_;
   std::vector<Passer> passers_;

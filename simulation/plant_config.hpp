@@ -40,6 +40,7 @@ struct PlantConfig {
   std::optional<SeaConfig> sea{};
   WindConfig wind{};
   std::optional<YawKickConfig> yaw_kicks{};
+  double contrast_ratio = 1;
   std::optional<PasserConfig> passers{};
   std::optional<FaultConfig> fault{};
 
@@ -53,6 +54,8 @@ struct PlantConfig {
     field("sea", self.sea, "that carries the station's boat; null: it stands on land");
     field("wind", self.wind, "mean and gusts");
     field("yaw_kicks", self.yaw_kicks, "what turns the drone; null: nothing");
+    field("contrast_ratio", self.contrast_ratio, Range{0, 1},
+          "of the scene, about a middle grey; below 1 as in haze, and the noise stays");
     field("passers", self.passers, "what moves before the camera; null: nothing");
     field("fault", self.fault, "what goes wrong for a while; null: nothing");
   }
