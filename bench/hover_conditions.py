@@ -22,6 +22,7 @@ import concurrent.futures
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -77,14 +78,19 @@ COLUMNS = [
 def fly(options, condition, policy, seed):
     config, keys = CONDITIONS[condition]
     folder = options.out / condition / f"{policy}-{seed}"
-    if not (folder / "summary.json").exists():
-        arguments = [options.command, "hover", ROOT / "configs" / f"{config}.yaml", "--out", folder,
-                     "--jobs", "1"]
+    if not folder.exists():
+        # an interrupted run writes a summary too, of less: only a finished one gets its name
+        unfinished = folder.with_name(folder.name + ".part")
+        shutil.rmtree(unfinished, ignore_errors=True)
+        unfinished.parent.mkdir(parents=True, exist_ok=True)
+        arguments = [options.command, "hover", ROOT / "configs" / f"{config}.yaml", "--out",
+                     unfinished, "--jobs", "1"]
         for key in [*keys, f"estimator.policy={policy}", f"seed={seed}", *options.set]:
             arguments += ["--set", key]
         done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True)
         if done.returncode != 0:
             raise RuntimeError(f"{condition}, {policy}, seed {seed}: {done.stderr.strip()}")
+        unfinished.rename(folder)
     summary = json.loads((folder / "summary.json").read_text())
     values = "  ".join(cell([value(summary)], digits, worse) for _, digits, value, worse in COLUMNS)
     print(f"  {condition:12} {policy:10} seed {seed:<4} {values}", file=sys.stderr, flush=True)
