@@ -103,7 +103,8 @@ void hover_with_one(const HoverArguments& arguments) {
   }
 }
 
-// Without stabilization no estimator flies: those flights are the first one's only.
+// Without stabilization no estimator flies: unless each is to look on, those flights are the first
+// one's only.
 void hover_with_each(const HoverArguments& arguments) {
   const std::string list = fmt::format("{}", fmt::join(arguments.estimators, ","));
   const std::vector<HoverVariant> variants =
@@ -125,7 +126,9 @@ void hover_with_each(const HoverArguments& arguments) {
                         .estimator = variant.config.estimator,
                         .records = std::move(flown.records),
                         .summary = std::move(flown.summary)});
-    std::erase_if(trials, [](const Trial& trial) { return !trial.stabilized; });
+    if (!variant.config.trials.estimate_off) {
+      std::erase_if(trials, [](const Trial& trial) { return !trial.stabilized; });
+    }
     if (trials.empty()) break;
   }
   const nlohmann::json comparison = hover_comparison_json(compared);
@@ -177,7 +180,9 @@ void add_hover(CLI::App& app) {
       "estimates.csv (what each was off by), summary.json, "
       "report.html\n"
       "and the effective configuration hover.yaml; with --estimators a folder of these for each, "
-      "and\ncomparison.json. Flights without stabilization are then flown once, with the first.");
+      "and\ncomparison.json. Flights without stabilization are then flown once, with the first, "
+      "unless\n"
+      "trials.estimate_off is set.");
   command->callback([arguments] { hover(*arguments); });
 }
 

@@ -78,12 +78,15 @@ void TrialFleet::forget_unfinished() {
   }
 }
 
-// The first with stabilization along its axis.
+// The first along its axis that an estimator looks at.
 bool TrialFleet::is_filmed(std::size_t i) const {
-  return trials_[i].stabilized &&
+  const auto is_looked_at = [&](const Trial& trial) {
+    return trial.stabilized || config_.trials.estimate_off;
+  };
+  return is_looked_at(trials_[i]) &&
          std::none_of(trials_.begin(), trials_.begin() + static_cast<std::ptrdiff_t>(i),
                       [&](const Trial& before) {
-                        return before.stabilized && before.axis == trials_[i].axis;
+                        return is_looked_at(before) && before.axis == trials_[i].axis;
                       });
 }
 

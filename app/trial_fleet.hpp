@@ -24,7 +24,7 @@ class TrialFleet {
 
   /// Those that were flown to their end.
   [[nodiscard]] const std::vector<TrialRecord>& records() const { return records_; }
-  /// Of what the camera saw, a few a second, of one stabilized trial an axis.
+  /// Of what the camera saw, a few a second, of one trial an axis that an estimator looks at.
   [[nodiscard]] const std::vector<std::vector<HoverPicture>>& pictures() const { return pictures_; }
 
  private:

@@ -23,10 +23,13 @@ struct EnumNames<SceneKind> {
 struct TrialsConfig {
   int on = 3;
   int off = 1;
+  bool estimate_off = false;
 
   static void fields(auto& self, auto&& field) {
     field("on", self.on, Range{0, 1000}, "flights an axis with stabilization");
     field("off", self.off, Range{0, 1000}, "flights an axis without");
+    field("estimate_off", self.estimate_off,
+          "whether the estimator runs in these too, and is not obeyed");
   }
 };
 

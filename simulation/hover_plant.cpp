@@ -28,10 +28,13 @@ double trial_duration_s(const HoverConfig& config, const Trial& trial) {
 
 HoverPlant::HoverPlant(const HoverConfig& config, const Trial& trial)
     : path_(moved_along(trial.axis, config.plant.station)),
+      sea_(config.plant.sea),
+      waves_(sea_ ? make_waves(*sea_, hover_random(trial.seed, HoverStream::trial_sea).bits())
+                  : std::vector<RegularWave>{}),
       fault_(config.plant.fault),
       wind_(config.plant.wind, hover_random(trial.seed, HoverStream::trial_wind).bits()),
       drone_(config.plant.drone, camera_raised_forward(config.plant.camera.forward_tilt_deg),
-             station_at(path_, 0), 0),
+             station(0), 0),
       last_step_(
           static_cast<std::int64_t>(std::ceil(station_duration_s(path_) * kHoverStepsPerSecond))) {
   if (config.plant.yaw_kicks) {
@@ -44,8 +47,13 @@ Timestamp HoverPlant::now() const {
   return stamp_of_hover_step(step_);
 }
 
+StationState HoverPlant::station(double t_s) const {
+  const StationState ashore = station_at(path_, t_s);
+  return sea_ ? afloat(ashore, *sea_, waves_, t_s) : ashore;
+}
+
 RigidTransform HoverPlant::world_from_station() const {
-  return station_at(path_, to_seconds(now())).world_from_station;
+  return station(to_seconds(now())).world_from_station;
 }
 
 FaultEffect HoverPlant::fault() const {
@@ -65,7 +73,7 @@ void HoverPlant::step(const TetherCommand& command) {
               {.wind_in_world_m_s = wind_.in_world_m_s(),
                .yaw_kick_rad = kicked_between_rad(kicks_, from_s, to_s),
                .loose_tether_m = loose_tether_m},
-              station_at(path_, to_s), kStep_s);
+              station(to_s), kStep_s);
 }
 
 }  // namespace stillkite

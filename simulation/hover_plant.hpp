@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "geometry/time.hpp"
 #include "simulation/fault.hpp"
 #include "simulation/hover_config.hpp"
+#include "simulation/sea_motion.hpp"
 #include "simulation/tethered_drone.hpp"
 #include "simulation/wind.hpp"
 #include "simulation/yaw_kicks.hpp"
@@ -39,7 +41,11 @@ class HoverPlant {
   void step(const TetherCommand& command);
 
  private:
+  [[nodiscard]] StationState station(double t_s) const;
+
   StationPathConfig path_;
+  std::optional<SeaConfig> sea_;
+  std::vector<RegularWave> waves_;
   std::optional<FaultConfig> fault_;
   DrydenWind wind_;
   TetheredDrone drone_;

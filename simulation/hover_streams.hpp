@@ -15,6 +15,8 @@ enum class HoverStream : std::uint64_t {
   trial_wind,
   trial_kicks,
   pixels,
+  trial_sea,
+  trial_passers,
 };
 
 [[nodiscard]] inline Random hover_random(std::uint64_t seed, HoverStream stream) {

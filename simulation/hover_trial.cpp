@@ -90,6 +90,7 @@ TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world, const 
     // 2. A picture becomes a command, and its estimate is held against the truth.
     if (const std::optional<SentPicture> seen = video.take(now)) {
       last = pilot.step(seen->frame, inbox.readings(seen->frame.stamp, seen->attitude, now));
+      if (!trial.stabilized) last.decision = {};  // looked at, not obeyed
       record.estimate_errors.push_back(error_of(last.estimate, start, config, seen->truth));
       if (observer) observer(seen->frame, last.estimate, last.decision);
     }

@@ -22,6 +22,14 @@ Shutter shutter_about(const DroneTruth& truth, const SimulatedCameraConfig& came
           .instants = camera.shutter_s > 0 ? camera.shutter_samples : 1};
 }
 
+// What is left of a scene's differences is overlaid by a light of the same grey everywhere.
+cv::Mat hazy(const cv::Mat& light, double contrast_ratio) {
+  constexpr double kHaze_grey = 128;
+  cv::Mat out;
+  light.convertTo(out, -1, contrast_ratio, (1 - contrast_ratio) * kHaze_grey);
+  return out;
+}
+
 bool is_look_due(std::int64_t count, double period_s, double t_s) {
   return t_s >= static_cast<double>(count) * period_s - 1e-9;
 }
@@ -31,8 +39,14 @@ bool is_look_due(std::int64_t count, double period_s, double t_s) {
 HoverVideo::HoverVideo(const HoverConfig& config, const HoverWorld& world, const Trial& trial)
     : config_(config),
       world_(world),
-      is_looked_at_(trial.stabilized),
-      noise_seed_(hover_random(trial.seed, HoverStream::pixels).bits()) {}
+      duration_s_(trial_duration_s(config, trial)),
+      is_looked_at_(trial.stabilized || config.trials.estimate_off),
+      noise_seed_(hover_random(trial.seed, HoverStream::pixels).bits()) {
+  if (config.plant.passers) {
+    passers_ = make_passers(*config.plant.passers,
+                            hover_random(trial.seed, HoverStream::trial_passers).bits());
+  }
+}
 
 bool HoverVideo::expose(const DroneTruth& truth, const Eigen::Quaterniond& attitude, Timestamp now,
                         const FaultEffect& fault) {
@@ -64,17 +78,33 @@ std::optional<SentPicture> HoverVideo::take(Timestamp now) {
   return ready;
 }
 
+// Noise-free. The scene as it is at present; the world's own where nothing has moved in it.
+cv::Mat HoverVideo::light(const DroneTruth& truth, Timestamp now, const FaultEffect& fault) const {
+  const Shutter shutter = shutter_about(truth, config_.plant.camera);
+  if (fault.floor_rise_m == 0 && passers_.empty()) {
+    return world_.renderer.render(world_.scene, shutter);
+  }
+  PatchScene scene = with_floor_raised(world_.scene, fault.floor_rise_m);
+  if (!passers_.empty()) {
+    scene = with_passers(std::move(scene), *config_.plant.passers, passers_, to_seconds(now));
+  }
+  return world_.renderer.render(scene, shutter);
+}
+
+double HoverVideo::gain(Timestamp now) const {
+  Random flicker(noise_seed_, static_cast<std::uint64_t>(frames_));
+  return config_.plant.camera.gain(to_seconds(now) / duration_s_, flicker.uniform(-1, 1));
+}
+
 cv::Mat HoverVideo::picture(const DroneTruth& truth, Timestamp now,
                             const FaultEffect& fault) const {
-  const SimulatedCameraConfig& camera = config_.plant.camera;
-  const Shutter shutter = shutter_about(truth, camera);
-  cv::Mat light =
-      fault.floor_rise_m != 0
-          ? world_.renderer.render(with_floor_raised(world_.scene, fault.floor_rise_m), shutter)
-          : world_.renderer.render(world_.scene, shutter);
-  if (fault.covered_ratio > 0) light = covered(light, fault.covered_ratio, to_seconds(now));
-  const cv::Mat grey = develop(light, {.gain = fault.light_ratio, .noise_grey = camera.noise_grey},
-                               noise_seed_ + static_cast<std::uint64_t>(frames_));
+  const PlantConfig& plant = config_.plant;
+  cv::Mat seen = light(truth, now, fault);
+  if (fault.covered_ratio > 0) seen = covered(seen, fault.covered_ratio, to_seconds(now));
+  if (plant.contrast_ratio < 1) seen = hazy(seen, plant.contrast_ratio);
+  const cv::Mat grey =
+      develop(seen, {.gain = gain(now) * fault.light_ratio, .noise_grey = plant.camera.noise_grey},
+              noise_seed_ + static_cast<std::uint64_t>(frames_));
   return world_.link ? world_.link(grey) : grey;
 }
 

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "flow/frame.hpp"
 #include "simulation/fault.hpp"
 #include "simulation/hover_plant.hpp"
 #include "simulation/hover_world.hpp"
+#include "simulation/passers.hpp"
 
 namespace stillkite {
 
@@ -34,13 +36,18 @@ class HoverVideo {
   [[nodiscard]] std::optional<SentPicture> take(Timestamp now);
 
  private:
+  [[nodiscard]] cv::Mat light(const DroneTruth& truth, Timestamp now,
+                              const FaultEffect& fault) const;
+  [[nodiscard]] double gain(Timestamp now) const;
   [[nodiscard]] cv::Mat picture(const DroneTruth& truth, Timestamp now,
                                 const FaultEffect& fault) const;
 
   const HoverConfig& config_;
   const HoverWorld& world_;
+  double duration_s_;
   bool is_looked_at_;
   std::uint64_t noise_seed_;
+  std::vector<Passer> passers_;
   std::deque<SentPicture> pending_;
   std::int64_t frames_ = 0;
   std::int64_t looks_ = 0;

@@ -4,6 +4,8 @@
 
 #include "simulation/fault.hpp"
 #include "simulation/hover_sensors.hpp"
+#include "simulation/passers.hpp"
+#include "simulation/sea_motion.hpp"
 #include "simulation/simulation_config.hpp"
 #include "simulation/station_path.hpp"
 #include "simulation/tethered_drone.hpp"
@@ -35,8 +37,11 @@ struct PlantConfig {
   double camera_latency_s = 0.1;
   HoverSensorConfig sensors{};
   StationPathConfig station{};
+  std::optional<SeaConfig> sea{};
   WindConfig wind{};
   std::optional<YawKickConfig> yaw_kicks{};
+  double contrast_ratio = 1;
+  std::optional<PasserConfig> passers{};
   std::optional<FaultConfig> fault{};
 
   static void fields(auto& self, auto&& field) {
@@ -46,8 +51,12 @@ struct PlantConfig {
           "from a frame's exposure to its arrival at the estimator");
     field("sensors", self.sensors, "what the controller learns beside pictures");
     field("station", self.station, "the way of the ground station");
+    field("sea", self.sea, "that carries the station's boat; null: it stands on land");
     field("wind", self.wind, "mean and gusts");
     field("yaw_kicks", self.yaw_kicks, "what turns the drone; null: nothing");
+    field("contrast_ratio", self.contrast_ratio, Range{0, 1},
+          "of the scene, about a middle grey; below 1 as in haze, and the noise stays");
+    field("passers", self.passers, "what moves before the camera; null: nothing");
     field("fault", self.fault, "what goes wrong for a while; null: nothing");
   }
 };

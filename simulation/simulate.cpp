@@ -65,8 +65,7 @@ Scene make_scene(const SimulationConfig& config, const cv::Mat& photograph) {
 double gain_at(const SimulationConfig& config, std::int64_t frame) {
   const double progress = time_of(config, frame) / config.flight.duration_s;
   Random random(seed_of(config, kFlicker), static_cast<std::uint64_t>(frame));
-  return (1 + config.camera.gain_ramp_ratio * progress) *
-         (1 + config.camera.flicker_ratio * random.uniform(-1.0, 1.0));
+  return config.camera.gain(progress, random.uniform(-1.0, 1.0));
 }
 
 // The camera sits in the body's origin.

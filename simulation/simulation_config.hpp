@@ -52,6 +52,11 @@ struct SimulatedCameraConfig {
           "largest random change of a frame's exposure");
   }
 
+  /// Exposure, in parts of the first frame's: `progress` from 0 to 1, `draw` from -1 to 1.
+  [[nodiscard]] double gain(double progress, double draw) const {
+    return (1 + gain_ramp_ratio * progress) * (1 + flicker_ratio * draw);
+  }
+
   [[nodiscard]] Camera lens() const {
     return {width_px,    height_px,   focal_x_px, focal_y_px,
             centre_x_px, centre_y_px, distortion, coefficients};

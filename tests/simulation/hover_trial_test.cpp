@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "evaluation/trial_statistics.hpp"
@@ -40,6 +41,29 @@ TEST(HoverTrial, WithoutStabilizationTheDroneFollowsItsStation) {
     EXPECT_LT((sample.displacement_in_world_m - way).norm(), 1e-6);
     EXPECT_EQ(sample.action, HoldAction::hold);
   }
+}
+
+// As without: the drone hangs over its station, but how far it has gone is known.
+TEST(HoverTrial, WithoutStabilizationAnEstimatorMayLookOn) {
+  HoverConfig config = short_trials();
+  config.estimator.policy = Policy::flow;
+  const Trial off{.stabilized = false, .seed = 3};
+  const TrialRecord alone = fly_trial(config, world(), off);
+  EXPECT_TRUE(alone.estimate_errors.empty());
+  config.trials.estimate_off = true;
+  const TrialRecord watched = fly_trial(config, world(), off);
+  ASSERT_EQ(watched.samples.size(), alone.samples.size());
+  for (std::size_t i = 0; i < alone.samples.size(); ++i) {
+    EXPECT_EQ(watched.samples[i].displacement_in_world_m, alone.samples[i].displacement_in_world_m);
+    EXPECT_EQ(watched.samples[i].command.length_rate_m_s, 0);
+  }
+  ASSERT_GT(watched.estimate_errors.size(), alone.samples.size() - 4);
+  double worst_m = 0;
+  for (const EstimateError& error : watched.estimate_errors) {
+    worst_m = std::max(worst_m, error.position_error_m.value_or(0));
+  }
+  EXPECT_GT(worst_m, 0);
+  EXPECT_LT(worst_m, 0.2);
 }
 
 TEST(HoverTrial, WithStabilizationItStaysAndFliesTheSameAgain) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -19,8 +20,8 @@ HoverConfig small_video() {
 }
 
 // What is sent of 1.05 s with a fault, while the drone goes ahead at 1 m/s.
-std::vector<SentPicture> sent_with(const FaultEffect& fault, bool is_stabilized = true) {
-  const HoverConfig config = small_video();
+std::vector<SentPicture> sent_with(const FaultEffect& fault, bool is_stabilized = true,
+                                   const HoverConfig& config = small_video()) {
   static const HoverWorld room = make_hover_world(config);
   HoverVideo video(config, room, {.stabilized = is_stabilized});
   std::vector<SentPicture> sent;
@@ -85,6 +86,60 @@ TEST(HoverVideo, AFloorThatRisesChangesThePictureBelowTheHorizonOnly) {
   const cv::Mat after = sent_with({.floor_rise_m = 0.3})[0].frame.grey;
   EXPECT_TRUE(is_same_picture(before.rowRange(0, 20), after.rowRange(0, 20)));
   EXPECT_FALSE(is_same_picture(before.rowRange(80, 120), after.rowRange(80, 120)));
+}
+
+double deviation_of(const cv::Mat& picture) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(picture, mean, deviation);
+  return deviation[0];
+}
+
+// The scene's deviation is a tenth about grey 128, the noise's is what it was.
+TEST(HoverVideo, HazeTakesTheContrastAndLeavesTheNoise) {
+  HoverConfig config = small_video();
+  config.plant.camera.noise_grey = 0;
+  const cv::Mat clear = sent_with({}, true, config)[0].frame.grey;
+  config.plant.contrast_ratio = 0.1;
+  const cv::Mat hazy = sent_with({}, true, config)[0].frame.grey;
+  EXPECT_NEAR(cv::mean(hazy)[0], 128 + 0.1 * (cv::mean(clear)[0] - 128), 0.1);
+  EXPECT_NEAR(deviation_of(hazy), 0.1 * deviation_of(clear), 0.15);
+  config.plant.contrast_ratio = 0;
+  config.plant.camera.noise_grey = 3;
+  const cv::Mat fog = sent_with({}, true, config)[0].frame.grey;
+  EXPECT_NEAR(cv::mean(fog)[0], 128, 0.1);
+  EXPECT_NEAR(deviation_of(fog), 3, 0.1);
+}
+
+// In a fog of grey 128 the exposure alone is seen: 30 % more over the 43 s of a trial, 5 % flicker.
+TEST(HoverVideo, ExposureRisesAndFlickers) {
+  HoverConfig config = small_video();
+  config.plant.contrast_ratio = 0;
+  config.plant.camera.gain_ramp_ratio = 0.3;
+  const std::vector<SentPicture> rising = sent_with({}, true, config);
+  EXPECT_NEAR(cv::mean(rising[0].frame.grey)[0], 128, 0.1);
+  EXPECT_NEAR(cv::mean(rising[10].frame.grey)[0], 128 * (1 + 0.3 * 1.0 / 43), 0.1);
+  config.plant.camera.gain_ramp_ratio = 0;
+  config.plant.camera.flicker_ratio = 0.05;
+  double least = 255, most = 0;
+  for (const SentPicture& picture : sent_with({}, true, config)) {
+    least = std::min(least, cv::mean(picture.frame.grey)[0]);
+    most = std::max(most, cv::mean(picture.frame.grey)[0]);
+  }
+  EXPECT_GT(most - least, 0.05 * 128);
+  EXPECT_GT(least, 128 * 0.95 - 0.1);
+  EXPECT_LT(most, 128 * 1.05 + 0.1);
+}
+
+// The room's camera is 3 m up and goes ahead: who walks 2.7 m away is seen from the start.
+TEST(HoverVideo, WhoPassesIsSeenAndMoves) {
+  HoverConfig config = small_video();
+  config.plant.camera.noise_grey = 0;
+  const cv::Mat empty = sent_with({}, true, config)[0].frame.grey;
+  config.plant.passers = PasserConfig{.reach_m = 0.5};
+  const std::vector<SentPicture> sent = sent_with({}, true, config);
+  EXPECT_FALSE(is_same_picture(empty, sent[0].frame.grey));
+  EXPECT_TRUE(is_same_picture(empty.rowRange(0, 40), sent[0].frame.grey.rowRange(0, 40)));
+  EXPECT_FALSE(is_same_picture(sent[0].frame.grey, sent_with({}, true, config)[1].frame.grey));
 }
 
 }  // namespace
