@@ -75,7 +75,8 @@ struct RecommendedHoldConfig {
     field("state_feedback_pole_1_s", self.state_feedback_pole_1_s, Range{0, 20},
           "how fast way and velocity home decay where both are known in metres; 0: as a way alone");
     field("predict", self.predict,
-          "take off the way home what the commands since the exposure have done and will do");
+          "take off the way home what the commands since the exposure have done and will do, and "
+          "move the drone from where they keep it, not from where wind has blown it");
     field("lag_s", self.lag_s, Range{0, 10}, "first-order lag of the drone behind its commands");
     field("damped_within_m", self.damped_within_m, Range{0.01, 10},
           "level distance from the zenith within which the azimuth rate is damped");

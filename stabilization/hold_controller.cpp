@@ -43,11 +43,17 @@ HoldDecision decision_of(const HoldPlan& plan) {
 }  // namespace
 
 HoldController::HoldController(const HoldConfig& config)
-    : config_(checked(config)), own_(config.recommended.lag_s) {}
+    : config_(checked(config)), own_(config.recommended.lag_s), held_(config.recommended.lag_s) {}
+
+// What the commands have done is believed, and counts.
+bool HoldController::keeps_by_commands() const {
+  return config_.mode == HoldMode::recommended && config_.recommended.predict;
+}
 
 double HoldController::advance(Timestamp now) {
   if (last_ && now < *last_) *this = HoldController(config_);
   own_.advance(now);
+  held_.advance(now);
   const double dt_s = last_ ? std::min(seconds_between(*last_, now), kLongestStep_s) : 0;
   last_ = now;
   if (last_moved_ && seconds_between(*last_moved_, now) > config_.forget_after_s) {
@@ -57,8 +63,8 @@ double HoldController::advance(Timestamp now) {
   return dt_s;
 }
 
-HoldPlan HoldController::plan(const HoldInput& input, double dt_s) const {
-  HoldPlan held{.reason = reason_to_hold(config_, input)};
+HoldPlan HoldController::plan(const HoldInput& input, HoldReason reason, double dt_s) const {
+  HoldPlan held{.reason = reason};
   for (std::size_t i = 0; i < axes_.size(); ++i) held.axes[i] = at_rest(axes_[i]);
   if (held.reason != HoldReason::none) return held;
   const HoldPlan plan = config_.mode == HoldMode::paper
@@ -69,8 +75,14 @@ HoldPlan HoldController::plan(const HoldInput& input, double dt_s) const {
   return held;
 }
 
-HoldDecision HoldController::decide(const HoldInput& input) {
-  const HoldPlan plan = this->plan(input, advance(input.now));
+HoldDecision HoldController::decide(const HoldInput& latest) {
+  const double dt_s = advance(latest.now);
+  const HoldReason reason = reason_to_hold(config_, latest);
+  HoldInput input = latest;
+  if (reason == HoldReason::none && keeps_by_commands()) {
+    input.tether->tether = held_.take(latest.tether->tether);
+  }
+  const HoldPlan plan = this->plan(input, reason, dt_s);
   axes_ = plan.axes;
   LevelMotion commanded = LevelMotion::Zero();
   if (plan.reason == HoldReason::none) last_moved_ = input.now;
@@ -79,6 +91,7 @@ HoldDecision HoldController::decide(const HoldInput& input) {
         plan.command.yaw_rate_rad_s;
   }
   own_.set_command(commanded);
+  held_.set_command(plan.command);
   return decision_of(plan);
 }
 

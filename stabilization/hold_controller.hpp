@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "stabilization/held_tether.hpp"
 #include "stabilization/hold_config.hpp"
 #include "stabilization/hold_decision.hpp"
 #include "stabilization/hold_plan.hpp"
@@ -20,15 +21,17 @@ class HoldController {
   explicit HoldController(const HoldConfig& config);
 
   /// At a control instant. A clock that runs backwards starts afresh.
-  [[nodiscard]] HoldDecision decide(const HoldInput& input);
+  [[nodiscard]] HoldDecision decide(const HoldInput& latest);
 
  private:
   [[nodiscard]] double advance(Timestamp now);
-  [[nodiscard]] HoldPlan plan(const HoldInput& input, double dt_s) const;
+  [[nodiscard]] HoldPlan plan(const HoldInput& input, HoldReason reason, double dt_s) const;
+  [[nodiscard]] bool keeps_by_commands() const;
 
   HoldConfig config_;
   HoldAxes axes_;
   OwnMotion own_;
+  HeldTether held_;
   std::optional<Timestamp> last_;
   std::optional<Timestamp> last_moved_;  // when the position was controlled last
 };

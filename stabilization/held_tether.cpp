@@ -1,0 +1,42 @@
+#include "stabilization/held_tether.hpp"
+
+#include <cmath>
+
+#include "geometry/angle.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr double kFarthestBlown_rad = 60 * kDegree;
+
+double between_rad(TetherState a, TetherState b) {
+  a.length_m = b.length_m = 1;
+  const Eigen::Vector3d u = position_in_station(a);
+  const Eigen::Vector3d v = position_in_station(b);
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+}  // namespace
+
+void HeldTether::advance(Timestamp now) {
+  const double dt_s = last_ ? seconds_between(*last_, now) : 0;
+  if (last_ && !(dt_s > 0)) return;
+  last_ = now;
+  if (!held_) return;
+  // closed form of r' = (u - r) / lag and of its integral
+  const double gone = lag_s_ > 0 ? -std::expm1(-dt_s / lag_s_) : 1;
+  const auto follow = [&](double command, double& rate, double& value) {
+    value += command * dt_s + (rate - command) * (lag_s_ * gone);
+    rate += (command - rate) * gone;
+  };
+  follow(command_.elevation_rate_rad_s, rate_.elevation_rate_rad_s, held_->elevation_rad);
+  follow(command_.azimuth_rate_rad_s, rate_.azimuth_rate_rad_s, held_->azimuth_rad);
+}
+
+TetherState HeldTether::take(const TetherState& read) {
+  if (!held_ || between_rad(*held_, read) > kFarthestBlown_rad) held_ = read;
+  held_->length_m = read.length_m;
+  return *held_;
+}
+
+}  // namespace stillkite
