@@ -75,7 +75,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   if (flow.verdict == Verdict::ok) judge_ground();
   const bool flow_taken = is_ground_flat_ && see_ground();
   if (reference.reference->is_back) filter_.restore(home_);
-  const bool landmarks_taken = !interval.spoiled && see_landmarks();
+  const bool landmarks_taken = !interval.spoiled && see_landmarks(reference.reference->is_home);
   if (reference.reference->is_back) {
     flow_from_anchor_ = flow_from_camera_ * filter_.anchor_from_camera_m().inverse();
   }
@@ -198,7 +198,7 @@ bool FusedNavigator::see_ground() {
                                               config_.flow_correlated_frames * view->covariance);
 }
 
-bool FusedNavigator::see_landmarks() {
+bool FusedNavigator::see_landmarks(bool is_home) {
   choose_landmarks();
   const FeatureBearings& bearings = reference_.bearings();
   const std::vector<unsigned char>& inliers = reference_.inliers();
@@ -210,7 +210,8 @@ bool FusedNavigator::see_landmarks() {
     if (filter_.update_landmark(feature, bearings.pairs[i].current, sigma)) ++taken;
   }
   filter_.drop_refused();
-  filter_.update_ground(is_ground_flat_);
+  // under a later reference the lowest level may be another than the start's
+  if (is_ground_flat_ || is_home) filter_.update_ground(is_ground_flat_);
   return taken >= config_.min_landmarks;
 }
 

@@ -33,7 +33,7 @@ class FusedNavigator {
   void see_up(const Eigen::Quaterniond& world_from_body);
   void judge_ground();
   [[nodiscard]] bool see_ground();
-  [[nodiscard]] bool see_landmarks();
+  [[nodiscard]] bool see_landmarks(bool is_home);
   void choose_landmarks();
   [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;
   [[nodiscard]] double feature_sigma() const;

@@ -1,9 +1,9 @@
 #include "navigation/reference_navigator.hpp"
 
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "estimation/relative_pose_estimator.hpp"
+#include "flow/pyramid.hpp"
 #include "geometry/angle.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/motion_from_pose.hpp"
@@ -18,12 +18,12 @@ constexpr double kLossSigma_rad = 5 * kDegree;
 constexpr int kFewestFeatures = 8;
 constexpr int kManyTimes = 2;
 constexpr double kSuddenShare = 0.5;
-constexpr int kCoarse = 8;  // pixels to one, in which noise is averaged away
+constexpr int kCoarseLevels = 4;  // on the last of which noise is averaged away
 
 bool is_featureless(const cv::Mat& grey) {
-  cv::Mat coarse;
-  cv::resize(grey, coarse, {}, 1.0 / kCoarse, 1.0 / kCoarse, cv::INTER_AREA);
-  return is_bare(coarse);
+  Pyramid pyramid;
+  pyramid.build(grey, kCoarseLevels);
+  return is_bare(pyramid.level(pyramid.levels() - 1));
 }
 
 Eigen::Vector3d up_in_camera(const Eigen::Quaterniond& world_from_camera) {
