@@ -21,6 +21,7 @@ import subprocess
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 START_S, DURATION_S = 6.0, 3.0
 HOME_M, SETTLED_S, MOST_BEYOND_M = 0.10, 5.0, 0.3
+AXES = 3  # an interrupted run has fewer flights
 AMOUNTS = {"height_step": ["plant.fault.floor_rise_m=1"]}
 KINDS = ["every_third_frame_lost", "stamps_off", "height_step", "gyro_bias", "frozen_video",
          "tether_slack", "picture_dark", "reference_blind"]
@@ -28,7 +29,7 @@ KINDS = ["every_third_frame_lost", "stamps_off", "height_step", "gyro_bias", "fr
 
 def fly(options, kind, seed):
     folder = options.out / f"{kind}-{seed}"
-    if not (folder / "samples.csv").exists():
+    if not (folder / "samples.csv").exists() or len(flights(folder)) < AXES:
         keys = ["plant.station.level_reach_m=0.8", f"plant.fault.start_s={START_S}",
                 f"plant.fault.duration_s={DURATION_S}", f"plant.fault.kind={kind}", f"seed={seed}",
                 *AMOUNTS.get(kind, []), *options.set]
