@@ -45,11 +45,9 @@ ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransfor
       config_(config.reference),
       start_(initial.world_from_body * body_from_camera),
       mode_(mode),
-      gate_(config.reference.gate),
-      reference_{FeatureAssociation(config.reference),
-                 {},
-                 {config.reference.association == Association::matching ? 0 : config.readout_s,
-                  camera.height_px}} {
+      readout_s_(config.readout_s),
+      gate_(config.reference.gate) {
+  references_.push_back(fresh_reference());
   const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
   current_.world_from_camera = start_.rotation;
   current_.covariance =
@@ -70,12 +68,13 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   if (interval.spoiled && !interval.is_late) return answer(frame, *interval.spoiled);
   // 2. Where the reference's features are in this frame; the lost ones are dropped.
   if (sees_home(frame, readings)) go_home();
-  const FeatureTracks& tracks = reference_.association.find(frame.grey);
+  const FeatureTracks& tracks = references_.back().association.find(frame.grey);
   const double flow_ms = watch.lap_ms();
   // 3. Undistorted, they tell how the camera has turned and which way it has gone.
-  bearings_ = reference_.row_times.at_stamp(feature_bearings(camera_, tracks), tracks, frame.stamp);
+  bearings_ =
+      references_.back().row_times.at_stamp(feature_bearings(camera_, tracks), tracks, frame.stamp);
   const RelativePoseEstimate pose =
-      estimate(bearings_.pairs, reference_, last_pose_, readings.attitude);
+      estimate(bearings_.pairs, references_.back(), last_pose_, readings.attitude);
   // 4. Is it to be trusted? A rotation that changes too fast is not, three times.
   const Verdict verdict = judge(pose, tracks.found_count);
   report(tracks, pose, verdict);
@@ -88,8 +87,13 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   return out;
 }
 
+ReferenceNavigator::Reference ReferenceNavigator::fresh_reference() const {
+  const bool is_numbered_anew = config_.association == Association::matching;
+  return {FeatureAssociation(config_), {}, {is_numbered_anew ? 0 : readout_s_, camera_.height_px}};
+}
+
 void ReferenceNavigator::begin_report() {
-  report_ = {.reference_stamp = reference_.attitude.stamp, .is_home = is_home_};
+  report_ = {.reference_stamp = references_.back().attitude.stamp, .is_home = is_home_};
 }
 
 NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
@@ -141,13 +145,14 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
 
 void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
   const Eigen::Quaterniond reference_from_camera = pose.pose.current_from_reference.conjugate();
-  Attitude next{.stamp = now,
-                .world_from_camera = reference_.attitude.world_from_camera * reference_from_camera,
-                .covariance = Eigen::Matrix3d::Zero(),
-                .covariance_from_reference = pose.covariance.topLeftCorner<3, 3>()};
+  Attitude next{
+      .stamp = now,
+      .world_from_camera = references_.back().attitude.world_from_camera * reference_from_camera,
+      .covariance = Eigen::Matrix3d::Zero(),
+      .covariance_from_reference = pose.covariance.topLeftCorner<3, 3>()};
   const Eigen::Matrix3d R = next.world_from_camera.toRotationMatrix();
   next.covariance =
-      reference_.attitude.covariance + R * next.covariance_from_reference * R.transpose();
+      references_.back().attitude.covariance + R * next.covariance_from_reference * R.transpose();
 
   const double dt_s = seconds_between(current_.stamp, now);
   const Eigen::Quaterniond turned = current_.world_from_camera.conjugate() * next.world_from_camera;
@@ -173,17 +178,16 @@ void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdi
 
 // Many of its features, and of those most in one pose: less may be chance.
 bool ReferenceNavigator::sees_home(const Frame& frame, const SensorReadings& readings) {
-  if (!home_ || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
-  const FeatureTracks& tracks = home_->association.find(frame.grey);
+  if (references_.size() == 1 || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
+  const FeatureTracks& tracks = references_.front().association.find(frame.grey);
   if (tracks.found_count < kManyTimes * config_.min_features) return false;
   const RelativePoseEstimate pose =
-      estimate(feature_bearings(camera_, tracks).pairs, *home_, {}, readings.attitude);
+      estimate(feature_bearings(camera_, tracks).pairs, references_.front(), {}, readings.attitude);
   return pose.model != ViewModel::undecided && 2 * pose.inlier_count > tracks.found_count;
 }
 
 void ReferenceNavigator::go_home() {
-  reference_ = std::move(*home_);
-  home_.reset();
+  references_.pop_back();
   is_home_ = true;
   is_rate_known_ = false;
   begin_reference();
@@ -207,13 +211,12 @@ bool ReferenceNavigator::keeps_home() const {
 bool ReferenceNavigator::set_reference(const cv::Mat& grey) {
   if (is_featureless(grey)) return false;
   if (!has_reference_ || !is_home_ || !keeps_home()) {
-    return reference_.association.set_reference(grey, config_.min_features);
+    return references_.back().association.set_reference(grey, config_.min_features);
   }
-  FeatureAssociation association(config_);
-  if (!association.set_reference(grey, config_.min_features)) return false;
-  home_ = std::move(reference_);
+  Reference next = fresh_reference();
+  if (!next.association.set_reference(grey, config_.min_features)) return false;
+  references_.push_back(std::move(next));
   frames_away_ = 0;
-  reference_.association = std::move(association);
   return true;
 }
 
@@ -227,9 +230,9 @@ bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
   if (has_reference_ && mode_ == Mode::paper) current_.world_from_camera = start_.rotation;
   has_reference_ = true;
   current_.covariance_from_reference.setZero();
-  reference_.attitude = current_;
-  reference_.attitude.stamp = frame.stamp;
-  reference_.row_times.begin(frame.stamp);
+  references_.back().attitude = current_;
+  references_.back().attitude.stamp = frame.stamp;
+  references_.back().row_times.begin(frame.stamp);
   begin_reference();
   return true;
 }

@@ -59,6 +59,7 @@ class ReferenceNavigator {
       const std::optional<Eigen::Quaterniond>& world_from_body) const;
   [[nodiscard]] bool sees_home(const Frame& frame, const SensorReadings& readings);
   void go_home();
+  [[nodiscard]] Reference fresh_reference() const;
   void begin_report();
   void begin_reference();
   [[nodiscard]] Verdict judge(const RelativePoseEstimate& pose, int features);
@@ -76,10 +77,10 @@ class ReferenceNavigator {
   ReferenceConfig config_;
   RigidTransform start_;  // world from camera
   Mode mode_;
+  double readout_s_;
   RotationGate gate_;
 
-  Reference reference_;
-  std::optional<Reference> home_;  // the first one, while another is at hand
+  std::vector<Reference> references_;  // the first one and, where that is out of view, another
   Attitude current_;
   Timestamp start_stamp_;
   std::optional<RelativePose> last_pose_;  // from the reference at hand
