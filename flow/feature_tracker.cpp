@@ -63,6 +63,22 @@ float correlation_of(const TileMeasurements& m, std::size_t i) {
   return product > 0 ? (m.contrast[i] - m.gain_product[i]) / std::sqrt(product) : -1;
 }
 
+/// (G / s^2)^-1 with the variance s^2 of what a step, or else a gain, does not explain; at least
+/// that of two roundings.
+Eigen::Matrix2f covariance_of(const TileMeasurements& m, std::size_t i, const Eigen::Vector2f& u) {
+  constexpr float kUnknowns = 4;  // step, mean, gain
+  constexpr float kRounding_grey2 = 2.0F / 12;
+  const float determinant = m.gxx[i] * m.gyy[i] - m.gxy[i] * m.gxy[i];
+  if (!(determinant > 0) || !(m.contrast[i] > 0)) return Eigen::Matrix2f::Zero();
+  const float explained = std::max(m.gx[i] * u.x() + m.gy[i] * u.y(),
+                                   m.gain_product[i] * m.gain_product[i] / m.contrast[i]);
+  const float variance =
+      std::max(kRounding_grey2, (m.residual[i] - explained) / (kFeatureWindowPixels - kUnknowns));
+  Eigen::Matrix2f adjugate;
+  adjugate << m.gyy[i], -m.gxy[i], -m.gxy[i], m.gxx[i];
+  return variance / determinant * adjugate;
+}
+
 }  // namespace
 
 void FeatureTracker::set_reference(const cv::Mat& grey,
@@ -86,6 +102,7 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
   const std::size_t count = tracks_.reference_px.size();
   tracks_.current_px = tracks_.reference_px;
   tracks_.found.assign(count, 0);
+  tracks_.covariance_px2.assign(count, Eigen::Matrix2f::Zero());
   displacements_px_.assign(count, Eigen::Vector2f::Zero());
   last_steps_px_.assign(count, 0);
   correlations_.assign(count, 0);
@@ -210,7 +227,9 @@ void FeatureTracker::step(int level, TileWarp warp) {
     const Eigen::Vector2f u = tile_step(m, i);
     last_steps_px_[i] = u.norm();
     displacements_px_[i] += std::ldexp(1.0F, level) * u;
-    if (finest) correlations_[i] = correlation_of(m, i);
+    if (!finest) continue;
+    correlations_[i] = correlation_of(m, i);
+    tracks_.covariance_px2[i] = covariance_of(m, i, u);
   }
 }
 

@@ -37,6 +37,10 @@ struct FeatureTracks {
   std::vector<Eigen::Vector2f> reference_px;
   std::vector<Eigen::Vector2f> current_px;
   std::vector<unsigned char> found;  ///< 1 where `current_px` is to be believed
+  /// Of `current_px`, from what the two windows differ by, as if every pixel did so on its own:
+  /// errors are one and a half to three times that (bench_feature_error). Empty where the method
+  /// does not tell.
+  std::vector<Eigen::Matrix2f> covariance_px2;
   int found_count = 0;
 };
 

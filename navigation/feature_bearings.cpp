@@ -8,6 +8,7 @@ namespace stillkite {
 FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks) {
   FeatureBearings bearings;
   bearings.pairs.reserve(tracks.found.size());
+  const double focal2_px2 = camera.focal_x_px * camera.focal_y_px;
   for (std::size_t i = 0; i < tracks.found.size(); ++i) {
     if (tracks.found[i] == 0) continue;
     const auto reference = undistort(camera, tracks.reference_px[i].cast<double>());
@@ -15,6 +16,8 @@ FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& trac
     if (!reference || !current) continue;
     bearings.pairs.push_back({*reference, *current});
     bearings.feature_of_pair.push_back(i);
+    if (tracks.covariance_px2.empty()) continue;
+    bearings.covariance.emplace_back(tracks.covariance_px2[i].cast<double>() / focal2_px2);
   }
   return bearings;
 }

@@ -10,10 +10,12 @@
 
 namespace stillkite {
 
-/// The features that were found, undistorted. `feature_of_pair[i]` is pair i's place in the tracks.
+/// The features that were found, undistorted. `feature_of_pair[i]` is pair i's place in the tracks,
+/// `covariance[i]` what the tracker says of its place now, on z = 1; empty where it says nothing.
 struct FeatureBearings {
   std::vector<BearingPair> pairs;
   std::vector<std::size_t> feature_of_pair;
+  std::vector<Eigen::Matrix2d> covariance;
 };
 [[nodiscard]] FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks);
 

@@ -40,6 +40,7 @@ FeatureBearings RowTimes::at_stamp(const FeatureBearings& bearings, const Featur
     if (!is_speed || !feature.reference) continue;
     out.pairs.push_back({*feature.reference, pair.current - current_later_s * speed_1_s});
     out.feature_of_pair.push_back(f);
+    if (!bearings.covariance.empty()) out.covariance.push_back(bearings.covariance[i]);
   }
   return out;
 }

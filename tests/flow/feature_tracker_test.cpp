@@ -60,6 +60,40 @@ TEST(FeatureTracker, FindsFeaturesWhereTheyHaveMoved) {
   }
 }
 
+// e^T C^-1 e of a coordinate, over all features: 1 where what the tracker says is true.
+double chi_square(const FeatureTracks& tracks, const Eigen::Affine2d& motion) {
+  double sum = 0;
+  for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+    if (tracks.found[i] == 0) continue;
+    const Eigen::Vector2d truth = motion * tracks.reference_px[i].cast<double>();
+    const Eigen::Vector2d error = tracks.current_px[i].cast<double>() - truth;
+    sum += 0.5 * error.dot(tracks.covariance_px2[i].cast<double>().inverse() * error);
+  }
+  return sum / tracks.found_count;
+}
+
+TEST(FeatureTracker, SaysHowFarItIsOffInNoise) {
+  const Eigen::Affine2d motion = motion_about_middle(0, 1, {3.3, -1.7});
+  cv::RNG random(11);
+  const auto noisy = [&](cv::Mat picture, double noise_grey) {
+    cv::Mat noise(kSize, CV_32F);
+    random.fill(noise, cv::RNG::NORMAL, 0, noise_grey);
+    cv::add(picture, noise, picture, cv::noArray(), CV_8U);
+    return picture;
+  };
+  const cv::Mat clean = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const std::vector<cv::Point2f> features = corners(clean);
+  for (const double noise_grey : {3.0, 6.0}) {
+    FeatureTracker tracker({});
+    tracker.set_reference(noisy(clean.clone(), noise_grey), features);
+    const FeatureTracks& tracks = tracker.track(noisy(analytic_frame(kSize, motion), noise_grey));
+    ASSERT_GT(tracks.found_count, 100);
+    // what noise adds to the gradients is taken for texture
+    EXPECT_GT(chi_square(tracks, motion), 0.8) << noise_grey;
+    EXPECT_LT(chi_square(tracks, motion), 2.5) << noise_grey;
+  }
+}
+
 // Structures of all sizes, as a scene has them: a long way then leaves no doubt.
 cv::Mat scene() {
   cv::RNG random(7);

@@ -38,7 +38,8 @@ SeenFrame seen_at(const MovingFeature& feature, double stamp_s) {
                      .found = {1},
                      .found_count = 1},
           .bearings = {.pairs = {{reference_px / kRowFocal_px, current_px / kRowFocal_px}},
-                       .feature_of_pair = {0}}};
+                       .feature_of_pair = {0},
+                       .covariance = {2 * Eigen::Matrix2d::Identity()}}};
 }
 
 TEST(RowTimes, AnEvenlyMovingFeatureIsWhereItWasAtTheStamp) {
@@ -51,6 +52,8 @@ TEST(RowTimes, AnEvenlyMovingFeatureIsWhereItWasAtTheStamp) {
     const FeatureBearings moved =
         row_times.at_stamp(seen.bearings, seen.tracks, from_seconds(1 + stamp_s));
     ASSERT_EQ(moved.pairs.size(), 1U);
+    ASSERT_EQ(moved.covariance.size(), 1U);
+    EXPECT_EQ(moved.covariance[0], seen.bearings.covariance[0]);
     EXPECT_LT((moved.pairs[0].reference - feature.at_px(0) / kRowFocal_px).norm(), 1e-6);
     EXPECT_LT((moved.pairs[0].current - feature.at_px(stamp_s) / kRowFocal_px).norm(), 1e-6);
     // which it was not: the lowest rows are read 9 ms late
