@@ -7,7 +7,8 @@ namespace stillkite {
 
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
-  double pixel_sigma_px = 0.3;
+  double pixel_sigma_px = 0.2;
+  double pixel_noise_ratio = 2.0;
   double gate_sigma = 4.0;
   bool flat_ground = false;
   int landmarks = 48;
@@ -31,7 +32,9 @@ struct FusionConfig {
 
   static void fields(auto& self, auto&& field) {
     field("pixel_sigma_px", self.pixel_sigma_px, kPositive,
-          "of a feature's place, errors that last over frames included");
+          "of a feature's place, beside what the noise in its window explains");
+    field("pixel_noise_ratio", self.pixel_noise_ratio, kNotNegative,
+          "that noise's sigma over the one of white noise of the same strength");
     field("gate_sigma", self.gate_sigma, kPositive,
           "a measurement further than that from its prediction is left out");
     field("flat_ground", self.flat_ground,

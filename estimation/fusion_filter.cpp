@@ -93,6 +93,7 @@ bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
 
 void FusionFilter::take_anchor() {
   landmarks_.clear();
+  dropped_.clear();
   state_.world_from_anchor = state_.world_from_camera;
   clone_camera(Index::kAnchorRotation);
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "estimation/error_state.hpp"
@@ -18,6 +19,13 @@ struct InertialStep {
   std::optional<Eigen::Vector3d> angular_rate_rad_s;
   bool is_gyro = true;  ///< the rate has a bias that lasts; else it is another estimator's
   std::optional<Eigen::Vector3d> specific_force_m_s2;
+};
+
+/// Where a feature is seen, on z = 1.
+struct FeatureView {
+  int feature = 0;  ///< its number in the reference
+  Eigen::Vector2d bearing;
+  Eigen::Matrix2d covariance;
 };
 
 /// Error-state Kalman filter on SO(3) of the camera's pose from the first frame, its velocity, the
@@ -44,10 +52,11 @@ class FusionFilter {
   /// That map's anchor and landmarks instead of those at hand. What the camera has seen since it
   /// was left is taken to tell nothing of them.
   void restore(const FusionMap& map);
-  /// A feature of the reference frame, seen from the anchor at `bearing`; both on z = 1.
-  void add_landmark(int feature, const Eigen::Vector2d& bearing, double sigma);
-  /// False: not such a landmark, behind the camera, or refused.
-  bool update_landmark(int feature, const Eigen::Vector2d& seen, double sigma);
+  /// A feature of the reference frame, as the anchor sees it.
+  void add_landmark(const FeatureView& reference);
+  /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
+  /// gives how many were not.
+  int update_landmarks(std::span<const FeatureView> seen);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
   /// depth has shown. Gives how many are new.
@@ -57,6 +66,8 @@ class FusionFilter {
 
   [[nodiscard]] const FusionState& state() const { return state_; }
   [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
+  /// Features of the anchor that were landmarks until the gate refused them too often.
+  [[nodiscard]] const std::vector<int>& dropped() const { return dropped_; }
   /// Metres.
   [[nodiscard]] RigidTransform world_from_camera_m() const;
   [[nodiscard]] Eigen::Vector3d velocity_in_world_m_s() const;
@@ -77,11 +88,30 @@ class FusionFilter {
   // d(rotation, position, velocity) by the errors before, and what noise adds to them
   using Transition = Eigen::Matrix<double, 9, FusionIndex::kAnchorRotation>;
   using Matrix9d = Eigen::Matrix<double, 9, 9>;
+  struct LandmarkView {
+    std::size_t landmark;
+    const FeatureView* seen;
+  };
+  // what is to be added, and A with A A^T to be taken off P
+  struct JointCorrection {
+    Eigen::VectorXd error;
+    Eigen::MatrixXd A_t;
+  };
   void propagate(const Transition& F, const Matrix9d& noise, double dt_s);
   template <int kRows>
   bool correct(const Innovation<kRows>& innovation);
+  [[nodiscard]] bool is_within_gate(const Innovation<2>& innovation, int n) const;
   void inject(const Eigen::VectorXd& error);
+  [[nodiscard]] std::vector<LandmarkView> landmark_views(std::span<const FeatureView> seen);
+  void refuse_strays(std::vector<LandmarkView>& views);
+  void blame_strays(const std::vector<LandmarkView>& views);
+  [[nodiscard]] std::optional<JointCorrection> joint_correction(
+      const std::vector<LandmarkView>& views, const Eigen::Vector3d& turn) const;
+  bool correct_jointly(const std::vector<LandmarkView>& views);
   [[nodiscard]] int size() const;
+  [[nodiscard]] static int column_of(std::size_t landmark) {
+    return FusionIndex::kLandmarks + 3 * static_cast<int>(landmark);
+  }
   void remove_landmark(std::size_t i);
   [[nodiscard]] Innovation<1> ground_innovation(const Landmark& landmark, int column) const;
   void clone_camera(int first);
@@ -94,6 +124,7 @@ class FusionFilter {
   FusionState state_;
   Eigen::Vector3d start_in_world_;
   std::vector<Landmark> landmarks_;
+  std::vector<int> dropped_;
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
 };
 

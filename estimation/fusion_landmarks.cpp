@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -20,14 +21,15 @@ double FusionFilter::guessed_inverse_depth(const Eigen::Vector2d& bearing) const
   return std::max(down, kSteepness) / std::max(height(anchor.translation), 1e-3);
 }
 
-void FusionFilter::add_landmark(int feature, const Eigen::Vector2d& bearing, double sigma) {
+void FusionFilter::add_landmark(const FeatureView& reference) {
   if (static_cast<int>(landmarks_.size()) >= config_.landmarks) return;
   const int column = size();
-  const double inverse_depth = guessed_inverse_depth(bearing);
-  landmarks_.push_back({.feature = feature, .bearing = bearing, .inverse_depth = inverse_depth});
+  const double inverse_depth = guessed_inverse_depth(reference.bearing);
+  landmarks_.push_back(
+      {.feature = reference.feature, .bearing = reference.bearing, .inverse_depth = inverse_depth});
   P_.block(column, 0, 3, column + 3).setZero();
   P_.block(0, column, column, 3).setZero();
-  P_(column, column) = P_(column + 1, column + 1) = square(sigma);
+  P_.block<2, 2>(column, column) = reference.covariance;
   P_(column + 2, column + 2) = square(config_.inverse_depth_sigma_ratio * inverse_depth);
 }
 
@@ -62,21 +64,134 @@ void FusionFilter::restore(const FusionMap& map) {
       map.covariance.bottomRightCorner(landmarks, landmarks);
 }
 
-bool FusionFilter::update_landmark(int feature, const Eigen::Vector2d& seen, double sigma) {
-  const auto found = std::find_if(landmarks_.begin(), landmarks_.end(),
-                                  [&](const Landmark& l) { return l.feature == feature; });
-  if (found == landmarks_.end()) return false;
-  const int column = Index::kLandmarks + 3 * static_cast<int>(found - landmarks_.begin());
-  const std::optional<Innovation<2>> innovation =
-      landmark_innovation(state_, *found, column, seen, sigma);
-  const bool taken = innovation && correct(*innovation);
-  found->refused = taken ? 0 : found->refused + 1;
-  return taken;
+int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
+  std::vector<LandmarkView> views = landmark_views(seen);
+  refuse_strays(views);
+  if (views.empty() || !correct_jointly(views)) return 0;
+  blame_strays(views);
+  return static_cast<int>(views.size());
+}
+
+// What lies where things at two depths meet moves as no point does, a little: it stays within what
+// the filter is told of a view, but not within what most views of the frame are off by.
+void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
+  std::vector<double> off;
+  off.reserve(views.size());
+  for (const LandmarkView& view : views) {
+    const auto left = landmark_innovation(state_, landmarks_[view.landmark], 0, view.seen->bearing,
+                                          view.seen->covariance);
+    off.push_back(left ? left->residual.dot(left->noise.llt().solve(left->residual)) : HUGE_VAL);
+  }
+  std::vector<double> sorted = off;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  constexpr double kMedianOfChiSquare = 1.386;  // of two degrees of freedom
+  const double most = square(config_.gate_sigma) * *middle / kMedianOfChiSquare;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Landmark& landmark = landmarks_[views[i].landmark];
+    const int depth = column_of(views[i].landmark) + 2;
+    const bool is_behind =
+        landmark.inverse_depth < 0 && square(landmark.inverse_depth) > 4 * P_(depth, depth);
+    landmark.refused = off[i] > 2 * most || is_behind ? landmark.refused + 1 : 0;
+  }
+}
+
+std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
+    std::span<const FeatureView> seen) {
+  std::vector<LandmarkView> views;
+  views.reserve(landmarks_.size());
+  for (const FeatureView& view : seen) {
+    const auto found = std::find_if(landmarks_.begin(), landmarks_.end(),
+                                    [&](const Landmark& l) { return l.feature == view.feature; });
+    if (found == landmarks_.end()) continue;
+    views.push_back({static_cast<std::size_t>(found - landmarks_.begin()), &view});
+  }
+  return views;
+}
+
+bool FusionFilter::is_within_gate(const Innovation<2>& innovation, int n) const {
+  const Eigen::Matrix2d S =
+      innovation.H.times(innovation.H.times_transposed(P_, n)) + innovation.noise;
+  return innovation.residual.dot(S.llt().solve(innovation.residual)) <=
+         2 * square(config_.gate_sigma);
+}
+
+void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
+  const int n = size();
+  std::erase_if(views, [&](const LandmarkView& view) {
+    Landmark& landmark = landmarks_[view.landmark];
+    const auto innovation = landmark_innovation(state_, landmark, column_of(view.landmark),
+                                                view.seen->bearing, view.seen->covariance);
+    const bool is_near = innovation && is_within_gate(*innovation, n);
+    if (!is_near) ++landmark.refused;
+    return !is_near;
+  });
+}
+
+// Of the prediction, by all views; the camera is turned by `turn` from it.
+std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
+    const std::vector<LandmarkView>& views, const Eigen::Vector3d& turn) const {
+  const int n = size();
+  const auto rows = 2 * static_cast<Eigen::Index>(views.size());
+  Eigen::VectorXd turned = Eigen::VectorXd::Zero(n);
+  turned.segment<3>(Index::kRotation) = turn;
+  Eigen::MatrixXd PHt(n, rows);
+  Eigen::MatrixXd S(rows, rows);
+  Eigen::VectorXd residual(rows);
+  std::vector<Innovation<2>> innovations;
+  innovations.reserve(views.size());
+  for (const LandmarkView& view : views) {
+    const auto row = 2 * static_cast<Eigen::Index>(innovations.size());
+    const auto innovation =
+        landmark_innovation(state_, landmarks_[view.landmark], column_of(view.landmark),
+                            view.seen->bearing, view.seen->covariance);
+    if (!innovation) return std::nullopt;
+    PHt.middleCols<2>(row) = innovation->H.times_transposed(P_, n);
+    residual.segment<2>(row) = innovation->residual + innovation->H.times(turned);
+    innovations.push_back(*innovation);
+  }
+  for (std::size_t i = 0; i < innovations.size(); ++i) {
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    S.middleRows<2>(row) = innovations[i].H.times(PHt);
+    S.block<2, 2>(row, row) += innovations[i].noise;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(S);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  JointCorrection out{.error = {}, .A_t = factor.matrixL().solve(PHt.transpose())};
+  out.error = out.A_t.transpose() * factor.matrixL().solve(residual);
+  if (!out.error.allFinite()) return std::nullopt;
+  return out;
+}
+
+// Together, so that no order matters. About the rotation that the views themselves tell, as without
+// a gyroscope the predicted one is a guess (Bell, Cathey 1993); but about the predicted way and
+// depths: of their product, where both are vague, a step of Gauss-Newton believes too much.
+bool FusionFilter::correct_jointly(const std::vector<LandmarkView>& views) {
+  constexpr int kMostSteps = 4;
+  constexpr double kSettled_rad = 1e-3;
+  const Eigen::Quaterniond predicted = state_.world_from_camera.rotation;
+  std::optional<JointCorrection> correction;
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  for (int step = 0; step < kMostSteps; ++step) {
+    state_.world_from_camera.rotation = so3_exp(turn) * predicted;
+    correction = joint_correction(views, turn);
+    if (!correction) break;
+    const Eigen::Vector3d next = correction->error.segment<3>(Index::kRotation);
+    if ((next - turn).norm() < kSettled_rad) break;
+    turn = next;
+  }
+  state_.world_from_camera.rotation = predicted;
+  if (!correction) return false;
+  P_.topLeftCorner(size(), size()).noalias() -= correction->A_t.transpose() * correction->A_t;
+  inject(correction->error);
+  return true;
 }
 
 void FusionFilter::drop_refused() {
   for (std::size_t i = landmarks_.size(); i-- > 0;) {
-    if (landmarks_[i].refused >= kMostRefusals) remove_landmark(i);
+    if (landmarks_[i].refused < kMostRefusals) continue;
+    dropped_.push_back(landmarks_[i].feature);
+    remove_landmark(i);
   }
 }
 

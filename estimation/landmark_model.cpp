@@ -4,7 +4,7 @@ namespace stillkite {
 
 std::optional<Innovation<2>> landmark_innovation(const FusionState& state, const Landmark& landmark,
                                                  int column, const Eigen::Vector2d& seen,
-                                                 double sigma) {
+                                                 const Eigen::Matrix2d& covariance) {
   using Index = FusionIndex;
   constexpr double kNearest = 0.05;
   const Eigen::Matrix3d R_t = state.world_from_camera.rotation.conjugate().toRotationMatrix();
@@ -22,8 +22,7 @@ std::optional<Innovation<2>> landmark_innovation(const FusionState& state, const
   J = (J / Y.z() * R_t).eval();
   Eigen::Matrix3d of_landmark;
   of_landmark << R_a.leftCols<2>(), to_anchor;
-  Innovation<2> innovation{
-      .residual = seen - h, .H = {}, .noise = sigma * sigma * Eigen::Matrix2d::Identity()};
+  Innovation<2> innovation{.residual = seen - h, .H = {}, .noise = covariance};
   innovation.H.add(Index::kRotation, J * skew(u));
   innovation.H.add(Index::kPosition, -landmark.inverse_depth * J);
   innovation.H.add(Index::kAnchorRotation, -J * skew(beside));

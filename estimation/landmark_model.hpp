@@ -16,6 +16,6 @@ namespace stillkite {
 [[nodiscard]] std::optional<Innovation<2>> landmark_innovation(const FusionState& state,
                                                                const Landmark& landmark, int column,
                                                                const Eigen::Vector2d& seen,
-                                                               double sigma);
+                                                               const Eigen::Matrix2d& covariance);
 
 }  // namespace stillkite

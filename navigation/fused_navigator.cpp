@@ -179,10 +179,11 @@ void FusedNavigator::judge_ground() {
   if (config_.flat_ground) return;
   constexpr double kMostMisfit = 0.2;
   constexpr int kInARow = 5;
+  constexpr double kShift_px = 0.3;
   const GroundPlane ground = ground_seen_from(flow_from_anchor_);
   const std::optional<double> misfit =
       ground_misfit(reference_.bearings().pairs, flow_from_camera_.inverse() * flow_from_anchor_,
-                    ground.normal_in_camera, ground.height_m, feature_sigma());
+                    ground.normal_in_camera, ground.height_m, kShift_px / camera_.focal_x_px);
   if (!misfit) return;
   const bool looks_flat = *misfit <= kMostMisfit;
   contrary_ = looks_flat == is_ground_flat_ ? 0 : contrary_ + 1;
@@ -202,13 +203,15 @@ bool FusedNavigator::see_landmarks(bool is_home) {
   choose_landmarks();
   const FeatureBearings& bearings = reference_.bearings();
   const std::vector<unsigned char>& inliers = reference_.inliers();
-  const double sigma = feature_sigma();
-  int taken = 0;
+  std::vector<FeatureView> seen;
+  seen.reserve(bearings.pairs.size());
   for (std::size_t i = 0; i < std::min(bearings.pairs.size(), inliers.size()); ++i) {
     if (inliers[i] == 0) continue;
-    const int feature = static_cast<int>(bearings.feature_of_pair[i]);
-    if (filter_.update_landmark(feature, bearings.pairs[i].current, sigma)) ++taken;
+    seen.push_back({.feature = static_cast<int>(bearings.feature_of_pair[i]),
+                    .bearing = bearings.pairs[i].current,
+                    .covariance = feature_covariance(i)});
   }
+  const int taken = filter_.update_landmarks(seen);
   filter_.drop_refused();
   // under a later reference the lowest level may be another than the start's
   if (is_ground_flat_ || is_home) filter_.update_ground(is_ground_flat_);
@@ -216,8 +219,15 @@ bool FusedNavigator::see_landmarks(bool is_home) {
 }
 
 // On z = 1.
-double FusedNavigator::feature_sigma() const {
-  return config_.pixel_sigma_px / camera_.focal_x_px;
+Eigen::Matrix2d FusedNavigator::feature_covariance(std::size_t pair) const {
+  constexpr double kUntold_px = 0.1;
+  const std::vector<Eigen::Matrix2d>& told = reference_.bearings().covariance;
+  const double one_px = 1 / camera_.focal_x_px;
+  const Eigen::Matrix2d noise =
+      told.empty() ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
+                   : told[pair];
+  return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
+         square(config_.pixel_noise_ratio) * noise;
 }
 
 void FusedNavigator::choose_landmarks() {
@@ -225,10 +235,17 @@ void FusedNavigator::choose_landmarks() {
   std::vector<Eigen::Vector2d> at_hand;
   at_hand.reserve(filter_.landmarks().size());
   for (const Landmark& landmark : filter_.landmarks()) at_hand.push_back(landmark.bearing);
+  std::vector<unsigned char> usable = reference_.inliers();
+  for (std::size_t i = 0; i < usable.size(); ++i) {
+    const auto& dropped = filter_.dropped();
+    const int feature = static_cast<int>(bearings.feature_of_pair[i]);
+    if (std::find(dropped.begin(), dropped.end(), feature) != dropped.end()) usable[i] = 0;
+  }
   const auto lacking = static_cast<std::size_t>(config_.landmarks) - at_hand.size();
-  for (const std::size_t i : spread_pairs(bearings.pairs, reference_.inliers(), at_hand, lacking)) {
-    filter_.add_landmark(static_cast<int>(bearings.feature_of_pair[i]), bearings.pairs[i].reference,
-                         feature_sigma());
+  for (const std::size_t i : spread_pairs(bearings.pairs, usable, at_hand, lacking)) {
+    filter_.add_landmark({.feature = static_cast<int>(bearings.feature_of_pair[i]),
+                          .bearing = bearings.pairs[i].reference,
+                          .covariance = feature_covariance(i)});
   }
 }
 

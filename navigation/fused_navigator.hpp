@@ -36,7 +36,7 @@ class FusedNavigator {
   [[nodiscard]] bool see_landmarks(bool is_home);
   void choose_landmarks();
   [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;
-  [[nodiscard]] double feature_sigma() const;
+  [[nodiscard]] Eigen::Matrix2d feature_covariance(std::size_t pair) const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 
   Camera camera_;

@@ -22,7 +22,8 @@ Eigen::Vector2d predicted_view(FusionState state, Landmark landmark, const Eigen
   turn(state.world_from_anchor, Index::kAnchorRotation, Index::kAnchorPosition);
   landmark.bearing += error.segment<2>(Index::kLandmarks);
   landmark.inverse_depth += error[Index::kLandmarks + 2];
-  return -landmark_innovation(state, landmark, Index::kLandmarks, Eigen::Vector2d::Zero(), 1)
+  return -landmark_innovation(state, landmark, Index::kLandmarks, Eigen::Vector2d::Zero(),
+                              Eigen::Matrix2d::Identity())
               ->residual;
 }
 
@@ -32,7 +33,8 @@ TEST(LandmarkModel, JacobianIsTheNumericOne) {
   state.world_from_anchor = {so3_exp({-0.1, 0.2, 0.1}), {-0.1, 0.3, 0.2}};
   const Landmark landmark{.feature = 1, .bearing = {0.3, -0.2}, .inverse_depth = 0.4};
   const int n = FusionIndex::kLandmarks + 3;
-  const Eigen::MatrixXd H = landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0, 0}, 1)
+  const Eigen::MatrixXd H = landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0, 0},
+                                                Eigen::Matrix2d::Identity())
                                 ->H.times(Eigen::MatrixXd::Identity(n, n));
   constexpr double kStep = 1e-6;
   for (int i = 0; i < n; ++i) {
@@ -49,8 +51,8 @@ TEST(LandmarkModel, InfinityDoesNotMove) {
   FusionState state;
   state.world_from_camera.translation = {3, 2, 1};
   const Landmark landmark{.feature = 1, .bearing = {0.1, 0.2}, .inverse_depth = 0};
-  const auto innovation =
-      landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0.1, 0.2}, 1);
+  const auto innovation = landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0.1, 0.2},
+                                              Eigen::Matrix2d::Identity());
   ASSERT_TRUE(innovation);
   EXPECT_LT(innovation->residual.norm(), 1e-15);
 }
@@ -59,7 +61,8 @@ TEST(LandmarkModel, BehindTheCameraIsNoView) {
   FusionState state;
   state.world_from_camera.translation = {0, 0, 20};
   const Landmark landmark{.feature = 1, .bearing = {0, 0}, .inverse_depth = 0.1};
-  EXPECT_FALSE(landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0, 0}, 1));
+  EXPECT_FALSE(landmark_innovation(state, landmark, FusionIndex::kLandmarks, {0, 0},
+                                   Eigen::Matrix2d::Identity()));
 }
 
 TEST(FusionFilter, FindsTheScaleByItsInertia) {
@@ -86,8 +89,29 @@ TEST(FusionFilter, RefusesALandmarkThatJumps) {
   FusionSimulation flight(FusionScene{}, FusionConfig{}, 5);
   for (int i = 0; i < 30; ++i) flight.step();
   const RigidTransform before = flight.filter().world_from_camera_m();
-  EXPECT_FALSE(flight.filter().update_landmark(0, {0.9, 0.9}, 1e-3));
+  const FeatureView far_off{0, {0.9, 0.9}, 1e-6 * Eigen::Matrix2d::Identity()};
+  EXPECT_EQ(flight.filter().update_landmarks({&far_off, 1}), 0);
   EXPECT_EQ(flight.filter().world_from_camera_m().translation, before.translation);
+}
+
+// Where edges of things at different depths cross, what is seen moves as no point does. It stays
+// within what a view is said to be off by, and would turn the camera.
+TEST(FusionFilter, DropsALandmarkThatMovesAsNoPointDoes) {
+  FusionScene scene;
+  scene.turn_rad = 0;
+  scene.true_noise_ratio = 0.2;
+  scene.first_moves_backwards = true;
+  FusionSimulation flight(scene, FusionConfig{}, 8);
+  for (int i = 0; i < 90; ++i) flight.step();
+  EXPECT_EQ(flight.filter().dropped(), std::vector<int>{0});
+  EXPECT_LT(flight.pose_error().tail<3>().norm(), 2e-4);
+}
+
+// Nothing is dropped for its noise.
+TEST(FusionFilter, KeepsLandmarksThatAreMerelyNoisy) {
+  FusionSimulation flight(FusionScene{}, FusionConfig{}, 9);
+  for (int i = 0; i < 300; ++i) flight.step();
+  EXPECT_TRUE(flight.filter().dropped().empty());
 }
 
 // A new anchor is the camera with all its doubt: nothing is known better, nothing worse.

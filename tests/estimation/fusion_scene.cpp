@@ -38,11 +38,13 @@ FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig&
   for (int i = 0; i < config.landmarks; ++i) {
     const Eigen::Vector2d bearing(0.8 * uniform(engine_), 0.5 * uniform(engine_));
     // the filter's guess of a place, which the truth is off from by as much as the filter is told
-    const double noise = config.pixel_sigma_px / scene.focal_px;
-    filter_.add_landmark(i, bearing + noise * Eigen::Vector2d(normal(), normal()), noise);
+    const double noise = scene.pixel_sigma_px / scene.focal_px;
+    filter_.add_landmark({i, bearing + noise * Eigen::Vector2d(normal(), normal()),
+                          noise * noise * Eigen::Matrix2d::Identity()});
     const double guess = filter_.landmarks().back().inverse_depth;
     const double inverse_depth = std::max(0.1, 1 + config.inverse_depth_sigma_ratio * normal()) *
                                  guess * std::exp(-scene.scale_error_log);
+    if (i == 0) first_bearing_ = bearing;
     points_.emplace_back(start * (bearing.homogeneous() / inverse_depth));
   }
 }
@@ -92,13 +94,17 @@ void FusionSimulation::step() {
   const RigidTransform camera_from_world = now.world_from_camera.inverse();
   if (scene_.has_flow) see_ground();
   if (!scene_.has_landmarks) return;
+  std::vector<FeatureView> seen;
+  const double sigma = scene_.pixel_sigma_px / scene_.focal_px;
+  const double noise = scene_.true_noise_ratio * sigma;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Eigen::Vector3d x = camera_from_world * points_[i];
-    const double sigma = scene_.pixel_sigma_px / scene_.focal_px;
-    filter_.update_landmark(static_cast<int>(i),
-                            x.head<2>() / x.z() + sigma * Eigen::Vector2d(normal(), normal()),
-                            config_.pixel_sigma_px / scene_.focal_px);
+    Eigen::Vector2d bearing = (camera_from_world * points_[i]).hnormalized();
+    if (i == 0 && scene_.first_moves_backwards) bearing = 2 * first_bearing_ - bearing;
+    seen.push_back({static_cast<int>(i), bearing + noise * Eigen::Vector2d(normal(), normal()),
+                    sigma * sigma * Eigen::Matrix2d::Identity()});
   }
+  filter_.update_landmarks(seen);
+  filter_.drop_refused();
 }
 
 // As from a keyframe that is replaced now and then, its height off by what the start's is.

@@ -14,7 +14,9 @@ struct FusionScene {
   double seconds = 10;
   double sway_m = 0.3;
   double turn_rad = 0.1;
-  double pixel_sigma_px = 0.3;
+  double pixel_sigma_px = 0.3;         ///< as the filter is told
+  double true_noise_ratio = 1;         ///< of the pixels' noise to that
+  bool first_moves_backwards = false;  ///< landmark 0 shifts as if it were behind the camera
   double focal_px = 480;
   double scale_error_log = 0;  ///< the landmarks' guesses are off by that, all alike
   bool has_imu = true;
@@ -63,6 +65,7 @@ class FusionSimulation {
   Eigen::Vector3d gyro_bias_, accel_bias_;
   double height_error_log_ = 0;
   std::vector<Eigen::Vector3d> points_;
+  Eigen::Vector2d first_bearing_;
   FusionFilter filter_;
 };
 
