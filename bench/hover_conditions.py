@@ -7,7 +7,8 @@ pose's six degrees of freedom (6 is honest); share of the pictures that told som
 brackets the worst seed's. What is already in the folder of results is not flown again, so that an
 interrupted call goes on where it was.
 
-  calm          the coast, as configs/trials_fused.yaml flies the room
+  room          configs/trials_fused.yaml
+  calm          the same at the coast
   wind_3 ...    mean wind of 3, 6, 9 m/s with Dryden's gusts
   sea           configs/trials_sea.yaml: waves, drift and wind
   yaw_kicks     turned by 10 to 20 deg every 8 s
@@ -34,6 +35,7 @@ WIND = "plant.wind.towards_deg=0"
 
 # condition -> (configuration, keys)
 CONDITIONS = {
+    "room": ("trials_fused", HELD),
     "calm": ("trials_fused", COAST),
     "wind_3": ("trials_fused", [*COAST, "plant.wind.mean_m_s=3", WIND]),
     "wind_6": ("trials_fused", [*COAST, "plant.wind.mean_m_s=6", WIND]),
