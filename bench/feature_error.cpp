@@ -4,7 +4,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -81,8 +81,8 @@ class SwayingCamera {
       const Eigen::Vector2d error_px = tracks.current_px[i].cast<double>() - *truth_px;
       if (error_px.norm() > kLost_px) continue;
       const Eigen::Matrix2d C = tracks.covariance_px2[i].cast<double>();
-      samples[i].push_back(
-          {view, error_px, std::sqrt(0.5 * C.trace()), 0.5 * error_px.dot(C.inverse() * error_px)});
+      samples[i].push_back({view, error_px, std::sqrt(0.5 * C.trace()),
+                            0.5 * error_px.dot(C.llt().solve(error_px))});
     }
   }
 
@@ -156,7 +156,7 @@ void print_by_sigma(const SamplesOfFeature& samples) {
 void print_over_time(const SamplesOfFeature& samples, int views) {
   constexpr std::array kLags{1, 3, 10, 30};
   const Eigen::Vector2d unseen = Eigen::Vector2d::Constant(std::nan(""));
-  double constant = 0, varying = 0, count = 0;
+  double told = 0, constant = 0, varying = 0, count = 0;
   std::array<double, kLags.size()> product{}, pairs{};
   for (const auto& [feature, seen] : samples) {
     if (static_cast<int>(seen.size()) < 0.9 * views) continue;
@@ -166,6 +166,7 @@ void print_over_time(const SamplesOfFeature& samples, int views) {
     for (const Sample& sample : seen) {
       Eigen::Vector2d& own = rest[static_cast<std::size_t>(sample.view)];
       own = sample.error_px - mean;
+      told += sample.sigma_px * sample.sigma_px;
       constant += 0.5 * mean.squaredNorm();
       varying += 0.5 * own.squaredNorm();
       ++count;
@@ -179,8 +180,10 @@ void print_over_time(const SamplesOfFeature& samples, int views) {
       }
     }
   }
-  fmt::print("constant {:.4f} px, varying {:.4f} px, its correlation after",
-             std::sqrt(constant / count), std::sqrt(varying / count));
+  fmt::print(
+      "all: told sigma {:.4f} px; rms {:.4f} px, constant {:.4f}, varying {:.4f}, correlated after",
+      std::sqrt(told / count), std::sqrt((constant + varying) / count), std::sqrt(constant / count),
+      std::sqrt(varying / count));
   for (std::size_t k = 0; k < kLags.size(); ++k) {
     fmt::print(" {} views: {:.2f}", kLags[k], product[k] / pairs[k] / (varying / count));
   }

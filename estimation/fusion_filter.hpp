@@ -102,7 +102,7 @@ class FusionFilter {
   bool correct(const Innovation<kRows>& innovation);
   [[nodiscard]] bool is_within_gate(const Innovation<2>& innovation, int n) const;
   void inject(const Eigen::VectorXd& error);
-  [[nodiscard]] std::vector<LandmarkView> landmark_views(std::span<const FeatureView> seen);
+  [[nodiscard]] std::vector<LandmarkView> landmark_views(std::span<const FeatureView> seen) const;
   void refuse_strays(std::vector<LandmarkView>& views);
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] std::optional<JointCorrection> joint_correction(

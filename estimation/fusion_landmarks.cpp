@@ -35,7 +35,7 @@ void FusionFilter::add_landmark(const FeatureView& reference) {
 
 FusionMap FusionFilter::map() const {
   const int landmarks = size() - Index::kLandmarks;
-  FusionMap map{state_.world_from_anchor, landmarks_,
+  FusionMap map{state_.world_from_anchor, landmarks_, dropped_,
                 Eigen::MatrixXd(6 + landmarks, 6 + landmarks)};
   map.covariance << P_.block<6, 6>(Index::kAnchorRotation, Index::kAnchorRotation),
       P_.block(Index::kAnchorRotation, Index::kLandmarks, 6, landmarks),
@@ -47,6 +47,7 @@ FusionMap FusionFilter::map() const {
 void FusionFilter::restore(const FusionMap& map) {
   state_.world_from_anchor = map.world_from_anchor;
   landmarks_ = map.landmarks;
+  dropped_ = map.dropped;
   for (Landmark& landmark : landmarks_) landmark.refused = 0;
   const int n = size();
   const int landmarks = n - Index::kLandmarks;
@@ -97,7 +98,7 @@ void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
 }
 
 std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
-    std::span<const FeatureView> seen) {
+    std::span<const FeatureView> seen) const {
   std::vector<LandmarkView> views;
   views.reserve(landmarks_.size());
   for (const FeatureView& view : seen) {

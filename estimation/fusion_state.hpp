@@ -41,6 +41,7 @@ struct Landmark {
 struct FusionMap {
   RigidTransform world_from_anchor;
   std::vector<Landmark> landmarks;
+  std::vector<int> dropped;    ///< features that were landmarks until they were refused too often
   Eigen::MatrixXd covariance;  ///< (anchor's rotation, its position, landmarks)
 };
 

@@ -69,7 +69,10 @@ Eigen::Matrix2f covariance_of(const TileMeasurements& m, std::size_t i, const Ei
   constexpr float kUnknowns = 4;  // step, mean, gain
   constexpr float kRounding_grey2 = 2.0F / 12;
   const float determinant = m.gxx[i] * m.gyy[i] - m.gxy[i] * m.gxy[i];
-  if (!(determinant > 0) || !(m.contrast[i] > 0)) return Eigen::Matrix2f::Zero();
+  // an edge alone, or nothing: it may be anywhere in its window
+  if (!(determinant > 0) || !(m.contrast[i] > 0)) {
+    return 0.25F * kFeatureWindowPixels * Eigen::Matrix2f::Identity();
+  }
   const float explained = std::max(m.gx[i] * u.x() + m.gy[i] * u.y(),
                                    m.gain_product[i] * m.gain_product[i] / m.contrast[i]);
   const float variance =

@@ -236,8 +236,8 @@ void FusedNavigator::choose_landmarks() {
   at_hand.reserve(filter_.landmarks().size());
   for (const Landmark& landmark : filter_.landmarks()) at_hand.push_back(landmark.bearing);
   std::vector<unsigned char> usable = reference_.inliers();
-  for (std::size_t i = 0; i < usable.size(); ++i) {
-    const auto& dropped = filter_.dropped();
+  const std::vector<int>& dropped = filter_.dropped();
+  for (std::size_t i = 0; i < std::min(usable.size(), bearings.pairs.size()); ++i) {
     const int feature = static_cast<int>(bearings.feature_of_pair[i]);
     if (std::find(dropped.begin(), dropped.end(), feature) != dropped.end()) usable[i] = 0;
   }

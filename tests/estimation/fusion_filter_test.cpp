@@ -105,6 +105,12 @@ TEST(FusionFilter, DropsALandmarkThatMovesAsNoPointDoes) {
   for (int i = 0; i < 90; ++i) flight.step();
   EXPECT_EQ(flight.filter().dropped(), std::vector<int>{0});
   EXPECT_LT(flight.pose_error().tail<3>().norm(), 2e-4);
+  // as long as its reference lasts, and again when that is found again
+  const FusionMap home = flight.filter().map();
+  flight.filter().take_anchor();
+  EXPECT_TRUE(flight.filter().dropped().empty());
+  flight.filter().restore(home);
+  EXPECT_EQ(flight.filter().dropped(), std::vector<int>{0});
 }
 
 // Nothing is dropped for its noise.

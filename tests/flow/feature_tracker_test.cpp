@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -67,7 +68,7 @@ double chi_square(const FeatureTracks& tracks, const Eigen::Affine2d& motion) {
     if (tracks.found[i] == 0) continue;
     const Eigen::Vector2d truth = motion * tracks.reference_px[i].cast<double>();
     const Eigen::Vector2d error = tracks.current_px[i].cast<double>() - truth;
-    sum += 0.5 * error.dot(tracks.covariance_px2[i].cast<double>().inverse() * error);
+    sum += 0.5 * error.dot(tracks.covariance_px2[i].cast<double>().llt().solve(error));
   }
   return sum / tracks.found_count;
 }
