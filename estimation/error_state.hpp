@@ -28,8 +28,25 @@ class SparseRows {
       const Eigen::MatrixXd& P, int n) const {
     Eigen::Matrix<double, Eigen::Dynamic, kRows> out =
         Eigen::Matrix<double, Eigen::Dynamic, kRows>::Zero(n, kRows);
+    // column by column: products as thin as that are vectorised along P's columns only
     for (int i = 0; i < count_; ++i) {
-      out.noalias() += P.block(0, columns_[i], n, blocks_[i].cols()) * blocks_[i].transpose();
+      for (Eigen::Index k = 0; k < blocks_[i].cols(); ++k) {
+        out.noalias() += P.col(columns_[i] + k).head(n) * blocks_[i].col(k).transpose();
+      }
+    }
+    return out;
+  }
+
+  /// H P H^T, of the columns alone that are not 0.
+  [[nodiscard]] Eigen::Matrix<double, kRows, kRows> covariance(const Eigen::MatrixXd& P) const {
+    Eigen::Matrix<double, kRows, kRows> out = Eigen::Matrix<double, kRows, kRows>::Zero();
+    for (int i = 0; i < count_; ++i) {
+      Block row = Block::Zero(kRows, blocks_[i].cols());
+      for (int j = 0; j < count_; ++j) {
+        row.noalias() +=
+            blocks_[j] * P.block(columns_[j], columns_[i], blocks_[j].cols(), blocks_[i].cols());
+      }
+      out.noalias() += row * blocks_[i].transpose();
     }
     return out;
   }

@@ -100,7 +100,8 @@ class FusionFilter {
   void propagate(const Transition& F, const Matrix9d& noise, double dt_s);
   template <int kRows>
   bool correct(const Innovation<kRows>& innovation);
-  [[nodiscard]] bool is_within_gate(const Innovation<2>& innovation, int n) const;
+  void take_off(const Eigen::MatrixXd& A_t);
+  [[nodiscard]] bool is_within_gate(const Innovation<2>& innovation) const;
   void inject(const Eigen::VectorXd& error);
   [[nodiscard]] std::vector<LandmarkView> landmark_views(std::span<const FeatureView> seen) const;
   void refuse_strays(std::vector<LandmarkView>& views);

@@ -110,20 +110,18 @@ std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
   return views;
 }
 
-bool FusionFilter::is_within_gate(const Innovation<2>& innovation, int n) const {
-  const Eigen::Matrix2d S =
-      innovation.H.times(innovation.H.times_transposed(P_, n)) + innovation.noise;
+bool FusionFilter::is_within_gate(const Innovation<2>& innovation) const {
+  const Eigen::Matrix2d S = innovation.H.covariance(P_) + innovation.noise;
   return innovation.residual.dot(S.llt().solve(innovation.residual)) <=
          2 * square(config_.gate_sigma);
 }
 
 void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
-  const int n = size();
   std::erase_if(views, [&](const LandmarkView& view) {
     Landmark& landmark = landmarks_[view.landmark];
     const auto innovation = landmark_innovation(state_, landmark, column_of(view.landmark),
                                                 view.seen->bearing, view.seen->covariance);
-    const bool is_near = innovation && is_within_gate(*innovation, n);
+    const bool is_near = innovation && is_within_gate(*innovation);
     if (!is_near) ++landmark.refused;
     return !is_near;
   });
@@ -183,7 +181,7 @@ bool FusionFilter::correct_jointly(const std::vector<LandmarkView>& views) {
   }
   state_.world_from_camera.rotation = predicted;
   if (!correction) return false;
-  P_.topLeftCorner(size(), size()).noalias() -= correction->A_t.transpose() * correction->A_t;
+  take_off(correction->A_t);
   inject(correction->error);
   return true;
 }
