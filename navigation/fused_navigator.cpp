@@ -66,7 +66,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const NavigationEstimate reference = reference_.step(frame, interval, hints);
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
-  if (interval.spoiled == Verdict::first_frame) last_ = frame.stamp;
+  if (interval.spoiled == Verdict::first_frame) first_ = last_ = frame.stamp;
   const Eigen::Vector3d velocity_before = filter_.velocity_in_world_m_s();
   predict(readings, frame.stamp, reference);
   if (readings.attitude) see_up(*readings.attitude);
@@ -100,6 +100,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   out.reference = reference.reference;
   if (verdict == Verdict::ok && out.scale != ScaleSource::none) {
     out.reference->motion = since_reference;
+    out.reference->motion.scale_age_s = out.scale_age_s;
   }
   return out;
 }
@@ -267,6 +268,7 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) c
   // metres that were merely guessed are none
   const bool is_metric = filter_.scale_sigma() < config_.metric_below_sigma_ratio;
   out.scale = is_metric ? scale_ : ScaleSource::none;
+  if (out.scale != ScaleSource::none) out.scale_age_s = seconds_between(first_, frame.stamp);
   return out;
 }
 

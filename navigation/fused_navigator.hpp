@@ -50,6 +50,7 @@ class FusedNavigator {
   RigidTransform flow_from_anchor_;  // at the reference frame
   FusionFilter filter_;
   FusionMap home_;  // as it was when the first reference was left
+  Timestamp first_;
   Timestamp last_;
   bool is_ground_flat_;
   int contrary_ = 0;       // frames in a row that showed otherwise

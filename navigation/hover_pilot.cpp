@@ -20,11 +20,26 @@ MotionEstimate with_first_attitude(const MotionEstimate& motion,
   return turned;
 }
 
+// The flow levels itself, not the start: seen from there, R_s^T R and d = R_s^T (p - p_s) err by
+// e_s, the start's own error in its own axes, and by [d]x e_s. Taken as independent of the error
+// now, which errs to the careful side until the flow is levelled.
+MotionEstimate with_error_of_start(const MotionEstimate& motion, const Matrix6d& start_covariance,
+                                   const Eigen::Quaterniond& world_from_start) {
+  const Eigen::Matrix3d R = world_from_start.conjugate().toRotationMatrix();
+  const Eigen::Matrix3d turn = R * start_covariance.bottomRightCorner<3, 3>() * R.transpose();
+  const Eigen::Matrix3d D = skew(motion.displacement_in_reference);
+  MotionEstimate out = motion;
+  out.rotation_covariance += turn;
+  out.displacement_covariance +=
+      D * turn * D.transpose() + R * start_covariance.topLeftCorner<3, 3>() * R.transpose();
+  return out;
+}
+
 }  // namespace
 
-MotionEstimate motion_estimate(const NavigationEstimate& estimate,
-                               const RigidTransform& world_from_start,
+MotionEstimate motion_estimate(const NavigationEstimate& estimate, const NavigationEstimate& first,
                                const RigidTransform& body_from_camera) {
+  const RigidTransform world_from_start = first.world_from_body * body_from_camera;
   const RigidTransform start_from_camera =
       world_from_start.inverse() * (estimate.world_from_body * body_from_camera);
   const bool is_fused_without_metres =
@@ -35,7 +50,11 @@ MotionEstimate motion_estimate(const NavigationEstimate& estimate,
     return estimate.reference->is_home ? seen
                                        : with_first_attitude(seen, start_from_camera.rotation);
   }
-  return motion_from_start(estimate, world_from_start, body_from_camera);
+  const MotionEstimate motion = motion_from_start(estimate, world_from_start, body_from_camera);
+  // the fusion's world is that of the first frame, whose pose in it is exact
+  return estimate.source == EstimateSource::flow
+             ? with_error_of_start(motion, first.pose_covariance, world_from_start.rotation)
+             : motion;
 }
 
 HoverPilot::HoverPilot(const Camera& camera, const RigidTransform& body_from_camera,
@@ -49,17 +68,17 @@ PilotStep HoverPilot::step(const Frame& frame, const TetheredReadings& readings)
   PilotStep out;
   // 1. How the camera has moved.
   out.estimate = navigator_.step(frame, readings.others);
-  if (!world_from_start_) world_from_start_ = out.estimate.world_from_body * body_from_camera_;
+  if (!first_) first_ = out.estimate;
   // 2. How it hangs in the station's frame.
   const Eigen::Quaterniond turned =
       attitude_.step(out.estimate.world_from_body.rotation, readings.others.attitude);
   const Eigen::Quaterniond station_from_body = readings.station_from_body.value_or(turned);
   // 3. The command that takes it back.
-  out.decision = controller_.decide(
-      {.now = readings.now,
-       .estimate = motion_estimate(out.estimate, *world_from_start_, body_from_camera_),
-       .tether = readings.tether,
-       .station_from_camera = station_from_body * body_from_camera_.rotation});
+  out.decision =
+      controller_.decide({.now = readings.now,
+                          .estimate = motion_estimate(out.estimate, *first_, body_from_camera_),
+                          .tether = readings.tether,
+                          .station_from_camera = station_from_body * body_from_camera_.rotation});
   return out;
 }
 

@@ -41,15 +41,16 @@ class HoverPilot {
   Navigator navigator_;
   StationAttitude attitude_;
   HoldController controller_;
-  std::optional<RigidTransform> world_from_start_;  // the camera at the first frame
+  std::optional<NavigationEstimate> first_;  // where the camera was then is its place
 };
 
 /// What an estimate says to the controller: of the reference estimator its own answer, from a later
 /// reference with the attitude carried on from the first; of the flow navigator and of the fusion
-/// the way from `world_from_start`, metric where it has a scale; of a fusion that has none yet, the
-/// reference estimator's answer.
+/// the way from where `first`, the first frame's estimate, has the camera, metric where it has a
+/// scale; of a fusion that has none yet, the reference estimator's answer. Which status follows
+/// from what is seen: docs/choice.md.
 [[nodiscard]] MotionEstimate motion_estimate(const NavigationEstimate& estimate,
-                                             const RigidTransform& world_from_start,
+                                             const NavigationEstimate& first,
                                              const RigidTransform& body_from_camera);
 
 }  // namespace stillkite

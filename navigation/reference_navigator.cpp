@@ -61,13 +61,13 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   bearings_ = {};
   inliers_.clear();
   twist_.reset();
-  begin_report();
+  begin_report(frame.stamp);
   // 1. The first frame is the one to hold. Nothing is learnt of a frozen picture, or out of turn.
   if (interval.spoiled == Verdict::first_frame) start_stamp_ = current_.stamp = frame.stamp;
   if (!has_reference_) return start(frame);
   if (interval.spoiled && !interval.is_late) return answer(frame, *interval.spoiled);
   // 2. Where the reference's features are in this frame; the lost ones are dropped.
-  if (sees_home(frame, readings)) go_home();
+  if (sees_home(frame, readings)) go_home(frame.stamp);
   const FeatureTracks& tracks = references_.back().association.find(frame.grey);
   const double flow_ms = watch.lap_ms();
   // 3. Undistorted, they tell how the camera has turned and which way it has gone.
@@ -92,8 +92,23 @@ ReferenceNavigator::Reference ReferenceNavigator::fresh_reference() const {
   return {FeatureAssociation(config_), {}, {is_numbered_anew ? 0 : readout_s_, camera_.height_px}};
 }
 
-void ReferenceNavigator::begin_report() {
+void ReferenceNavigator::begin_report(Timestamp now) {
   report_ = {.reference_stamp = references_.back().attitude.stamp, .is_home = is_home_};
+  if (has_reference_) report_.motion = carried_on(now);
+}
+
+// Until this frame tells more: as it was last seen, turned since by any rate. What leads from the
+// world to the reference is no part of it: all the attitude's covariance but that of the reference.
+MotionEstimate ReferenceNavigator::carried_on(Timestamp now) const {
+  const Attitude& reference = references_.back().attitude;
+  const Eigen::Matrix3d R = reference.world_from_camera.conjugate().toRotationMatrix();
+  const double turned_rad = kAnyRate_rad_s * seconds_between(current_.stamp, now);
+  MotionEstimate motion;
+  motion.reference_from_camera =
+      reference.world_from_camera.conjugate() * current_.world_from_camera;
+  motion.rotation_covariance = R * (current_.covariance - reference.covariance) * R.transpose() +
+                               turned_rad * turned_rad * Eigen::Matrix3d::Identity();
+  return motion;
 }
 
 NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
@@ -186,12 +201,12 @@ bool ReferenceNavigator::sees_home(const Frame& frame, const SensorReadings& rea
   return pose.model != ViewModel::undecided && 2 * pose.inlier_count > tracks.found_count;
 }
 
-void ReferenceNavigator::go_home() {
+void ReferenceNavigator::go_home(Timestamp now) {
   references_.pop_back();
   is_home_ = true;
   is_rate_known_ = false;
   begin_reference();
-  begin_report();
+  begin_report(now);
   report_.is_back = true;
 }
 

@@ -58,9 +58,10 @@ class ReferenceNavigator {
       const std::optional<RelativePose>& prior,
       const std::optional<Eigen::Quaterniond>& world_from_body) const;
   [[nodiscard]] bool sees_home(const Frame& frame, const SensorReadings& readings);
-  void go_home();
+  void go_home(Timestamp now);
   [[nodiscard]] Reference fresh_reference() const;
-  void begin_report();
+  void begin_report(Timestamp now);
+  [[nodiscard]] MotionEstimate carried_on(Timestamp now) const;
   void begin_reference();
   [[nodiscard]] Verdict judge(const RelativePoseEstimate& pose, int features);
   [[nodiscard]] bool is_swept_away(int features) const;
