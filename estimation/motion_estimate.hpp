@@ -26,7 +26,7 @@ enum class EstimateStatus {
   ok,
   gated,      ///< measured, but too far from the last one to be believed at once
   predicted,  ///< nothing was measured; inertia led there, as well as the covariance says
-  lost,       ///< nothing was measured
+  lost,       ///< nothing was measured: as last known, its covariance grown
 };
 template <>
 struct EnumNames<EstimateStatus> {
@@ -64,12 +64,12 @@ struct MotionEstimate {
   DisplacementKind displacement_kind = DisplacementKind::unknown;
   /// The camera's origin in the reference camera's frame.
   Eigen::Vector3d displacement_in_reference = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d displacement_covariance = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d displacement_covariance = Eigen::Matrix3d::Zero();  ///< 0: `zero`, `unknown`
 
   double mean_shift_px = 0;  ///< mean length of the features' way from their reference place
   double parallax_rad = 0;   ///< the way over the distance of what is seen
 
-  std::optional<Twist> twist_in_camera;
+  std::optional<Twist> twist_in_camera;  ///< its velocity only where the displacement is metric
   ScaleSource scale = ScaleSource::none;
   double scale_age_s = 0;
 };

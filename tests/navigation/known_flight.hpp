@@ -10,7 +10,6 @@
 #include "simulation/camera_mount.hpp"
 #include "simulation/develop.hpp"
 #include "simulation/procedural_ground.hpp"
-#include "simulation/random.hpp"
 #include "simulation/renderer.hpp"
 #include "small_camera.hpp"
 
@@ -22,11 +21,6 @@ struct KnownMotion {
   const char* name;
   Eigen::Vector3d way_in_reference_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn_in_reference_rad = Eigen::Vector3d::Zero();
-};
-
-/// Something flat that slides along y over the ground and hides the lower 40 % of the picture.
-struct SlidingCover {
-  double speed_m_s = 0.6;
 };
 
 /// A short flight over flat ground, 3 m high, by a camera that looks ahead and down: no axis of it
@@ -65,12 +59,13 @@ class KnownFlight {
                 kFramesPerSecond * so3_log(before.rotation.conjugate() * now.rotation)};
   }
 
-  [[nodiscard]] Frame frame(int index, const std::optional<SlidingCover>& cover = {}) const {
-    static const Renderer renderer(small_camera(), 2);
+  [[nodiscard]] Frame frame(int index) const {
+    static const Renderer renderer(small_camera(), 1);
     const RigidTransform world_from_camera =
         world_from_body_at_start() * mount() * reference_from_camera(index);
-    const cv::Mat light = renderer.render(scene(), world_from_camera, placed(cover, index));
-    return framed(develop(light, {.noise_grey = 1.5}, seed_ * kFrames + index), index);
+    return framed(develop(renderer.render(scene(), world_from_camera), {.noise_grey = 1.5},
+                          seed_ * kFrames + static_cast<std::uint64_t>(index)),
+                  index);
   }
 
   [[nodiscard]] static Frame framed(const cv::Mat& grey, int index) {
@@ -83,27 +78,8 @@ class KnownFlight {
     static const Scene made{
         .ground = std::make_shared<GroundTexture>(procedural_ground(1200, 900, 1), 0.01),
         .relief = nullptr,
-        .vehicle = std::make_shared<GroundTexture>(procedural_ground(700, 1200, 2), 0.01)};
+        .vehicle = nullptr};
     return made;
-  }
-
-  // Its front edge is 1.68 m ahead of the start, seen 5.8 degrees below the optical axis: 60 % down
-  // the picture.
-  [[nodiscard]] std::optional<VehiclePlacement> placed(const std::optional<SlidingCover>& cover,
-                                                       int index) const {
-    if (!cover) return {};
-    constexpr double kFrontEdge_m = 1.68;
-    constexpr double kLength_m = 7;
-    constexpr double kWidth_m = 12;
-    const RigidTransform start = world_from_body_at_start();
-    const Eigen::Vector3d centre =
-        start * Eigen::Vector3d(kFrontEdge_m - kLength_m / 2,
-                                cover->speed_m_s * index / kFramesPerSecond, 0);
-    const Eigen::Vector3d ahead = start.rotation * Eigen::Vector3d::UnitX();
-    return VehiclePlacement{.centre_in_world_m = centre.head<2>(),
-                            .heading_rad = std::atan2(ahead.y(), ahead.x()),
-                            .length_m = kLength_m,
-                            .width_m = kWidth_m};
   }
 
   KnownMotion motion_;
