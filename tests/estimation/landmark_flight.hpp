@@ -15,16 +15,16 @@ struct PatrolScene {
   double seconds = 3600;
   double height_m = 400;
   double speed_m_s = 10;
-  double turn_rate_deg_s = 1.5;  ///< a round of 2.4 km in 240 s
-  double tilt_sway_deg = 1.2;    ///< RMS of roll and pitch
+  double turn_rate_deg_s = 2.25;  ///< a round of 1.6 km in 160 s
+  double tilt_sway_deg = 1.2;     ///< RMS of roll and pitch
 
-  double landmarks_per_km2 = 100;
+  double landmarks_per_km2 = 150;
   double landmark_sigma_m = 1;  ///< an axis, of the map
   double relief_m = 5;          ///< 1 sigma of the landmarks' height
   double pixel_sigma_px = 1;
   double false_ratio = 0.15;    ///< half by a wrong number, half beside the landmark
   double false_within_px = 50;  ///< of those beside it
-  int frames_per_sighting = 5;  ///< of 25 a second
+  int frames_per_sighting = 8;  ///< of 25 a second
 
   // white, a frame; a camera that looks down takes a turn for a shift of the ground
   double velocity_noise_m_s = 0.088;
