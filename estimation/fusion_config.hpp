@@ -5,6 +5,9 @@
 
 namespace stillkite {
 
+/// Of `depth_correlated_frames`: honest where neither speed nor height are known at the start.
+inline constexpr double kCarefulFrames = 300;
+
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
   double pixel_sigma_px = 0.2;
@@ -20,6 +23,8 @@ struct FusionConfig {
   double ground_sigma_ratio = 0.01;
   double keyframe_view_sigma_ratio = 0.02;
   double flow_correlated_frames = 10;
+  double depth_correlated_frames = 10;
+  double scale_correlated_s = 1.0;
   double acceleration_density = 1.0;
   double gyro_density = 5e-4;
   double gyro_bias_sigma_rad_s = 0.01;
@@ -61,6 +66,11 @@ struct FusionConfig {
           "ground that is not flat");
     field("flow_correlated_frames", self.flow_correlated_frames, Range{.min = 1},
           "frames over which the flow's errors are alike; its variance is taken that many times");
+    field("depth_correlated_frames", self.depth_correlated_frames, kNotNegative,
+          "frames over which what way and depths are not known to moves the features alike; the "
+          "variance of their product is taken that many times");
+    field("scale_correlated_s", self.scale_correlated_s, kNotNegative,
+          "time over which what scale and acceleration are not known to moves the camera alike");
     field("acceleration_density", self.acceleration_density, kPositive,
           "white acceleration of the drone where no accelerometer is read, m/s^2/sqrt(Hz)");
     field("gyro_density", self.gyro_density, kPositive, "white noise, rad/s/sqrt(Hz)");

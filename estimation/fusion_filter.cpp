@@ -11,23 +11,25 @@ using Index = FusionIndex;
 
 }  // namespace
 
-FusionFilter::FusionFilter(const FusionConfig& config, const RigidTransform& world_from_camera,
-                           double velocity_sigma_m_s)
-    : config_(config), start_in_world_(world_from_camera.translation) {
+FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
+    : config_(config), start_in_world_(start.world_from_camera.translation) {
   const int most = Index::kLandmarks + 3 * config.landmarks;
   P_ = Eigen::MatrixXd::Zero(most, most);
   landmarks_.reserve(static_cast<std::size_t>(config.landmarks));
   state_.world_from_camera = state_.world_from_anchor = state_.world_from_keyframe =
-      world_from_camera;
+      start.world_from_camera;
   const auto set = [this](int first, int count, double sigma) {
     P_.diagonal().segment(first, count).setConstant(square(sigma));
   };
-  set(Index::kVelocity, 3, velocity_sigma_m_s);
+  set(Index::kVelocity, 3, start.velocity_sigma);
   set(Index::kGyroBias, 3, config.gyro_bias_sigma_rad_s);
   set(Index::kAccelBias, 3, config.accel_bias_sigma_m_s2);
   set(Index::kTilt, 2, config.tilt_sigma_rad);
   set(Index::kScale, 1, config.scale_sigma_ratio);
   set(Index::kHeight, 1, config.height_sigma_ratio);
+  // of a unit that is no metre the height is as many metres: both or neither
+  P_.block<2, 2>(Index::kScale, Index::kScale) +=
+      square(start.log_unit_sigma) * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
 }
 
 int FusionFilter::size() const {

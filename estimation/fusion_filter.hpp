@@ -21,6 +21,14 @@ struct InertialStep {
   std::optional<Eigen::Vector3d> specific_force_m_s2;
 };
 
+/// What is known of the first frame.
+struct FusionStart {
+  RigidTransform world_from_camera;  ///< z is the height over the ground
+  double velocity_sigma = 0;         ///< units/s
+  /// Of the logarithm of that pose's unit in metres. 0: it is metres.
+  double log_unit_sigma = 0;
+};
+
 /// Where a feature is seen, on z = 1.
 struct FeatureView {
   int feature = 0;  ///< its number in the reference
@@ -32,10 +40,8 @@ struct FeatureView {
 /// map's scale, the sensors' biases and landmarks of the reference frame; see docs/fusion.md.
 class FusionFilter {
  public:
-  /// At rest as far as `velocity_sigma_m_s` says. `world_from_camera`: z is the height over the
-  /// ground, in metres; map units begin as metres.
-  FusionFilter(const FusionConfig& config, const RigidTransform& world_from_camera,
-               double velocity_sigma_m_s);
+  /// At rest as far as `start.velocity_sigma` says; map units begin as the start's units.
+  FusionFilter(const FusionConfig& config, const FusionStart& start);
 
   void predict(const InertialStep& step);
   /// The camera over the ground as the flow sees it from its keyframe; covariance of (translation
@@ -90,7 +96,8 @@ class FusionFilter {
   using Matrix9d = Eigen::Matrix<double, 9, 9>;
   struct LandmarkView {
     std::size_t landmark;
-    const FeatureView* seen;
+    Eigen::Vector2d bearing;
+    Eigen::Matrix2d covariance;
   };
   // what is to be added, and A with A A^T to be taken off P
   struct JointCorrection {
@@ -119,6 +126,7 @@ class FusionFilter {
   [[nodiscard]] double height_below_anchor(const Landmark& landmark) const;
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
   [[nodiscard]] double guessed_inverse_depth(const Eigen::Vector2d& bearing) const;
+  [[nodiscard]] Eigen::Matrix3d way_covariance() const;
   [[nodiscard]] Eigen::Matrix3d metric_covariance(int first, const Eigen::Vector3d& value) const;
 
   FusionConfig config_;

@@ -79,8 +79,8 @@ void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
   std::vector<double> off;
   off.reserve(views.size());
   for (const LandmarkView& view : views) {
-    const auto left = landmark_innovation(state_, landmarks_[view.landmark], 0, view.seen->bearing,
-                                          view.seen->covariance);
+    const auto left =
+        landmark_innovation(state_, landmarks_[view.landmark], 0, view.bearing, view.covariance);
     off.push_back(left ? left->residual.dot(left->noise.llt().solve(left->residual)) : HUGE_VAL);
   }
   std::vector<double> sorted = off;
@@ -97,15 +97,30 @@ void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
   }
 }
 
+// Since the anchor, map units, world axes.
+Eigen::Matrix3d FusionFilter::way_covariance() const {
+  constexpr int p = Index::kPosition;
+  constexpr int a = Index::kAnchorPosition;
+  return P_.block<3, 3>(p, p) + P_.block<3, 3>(a, a) - P_.block<3, 3>(p, a) - P_.block<3, 3>(a, p);
+}
+
+// What way and depth are not known to moves a view by their product, of which the linear update
+// knows nothing; it is no noise of a frame but as lasting as they are.
 std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
     std::span<const FeatureView> seen) const {
+  const Eigen::Matrix3d lasting_way = config_.depth_correlated_frames * way_covariance();
   std::vector<LandmarkView> views;
   views.reserve(landmarks_.size());
   for (const FeatureView& view : seen) {
     const auto found = std::find_if(landmarks_.begin(), landmarks_.end(),
                                     [&](const Landmark& l) { return l.feature == view.feature; });
     if (found == landmarks_.end()) continue;
-    views.push_back({static_cast<std::size_t>(found - landmarks_.begin()), &view});
+    const auto i = static_cast<std::size_t>(found - landmarks_.begin());
+    const int depth = column_of(i) + 2;
+    views.push_back({.landmark = i,
+                     .bearing = view.bearing,
+                     .covariance = view.covariance + product_covariance(state_, *found, lasting_way,
+                                                                        P_(depth, depth))});
   }
   return views;
 }
@@ -120,7 +135,7 @@ void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
   std::erase_if(views, [&](const LandmarkView& view) {
     Landmark& landmark = landmarks_[view.landmark];
     const auto innovation = landmark_innovation(state_, landmark, column_of(view.landmark),
-                                                view.seen->bearing, view.seen->covariance);
+                                                view.bearing, view.covariance);
     const bool is_near = innovation && is_within_gate(*innovation);
     if (!is_near) ++landmark.refused;
     return !is_near;
@@ -141,9 +156,8 @@ std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
   innovations.reserve(views.size());
   for (const LandmarkView& view : views) {
     const auto row = 2 * static_cast<Eigen::Index>(innovations.size());
-    const auto innovation =
-        landmark_innovation(state_, landmarks_[view.landmark], column_of(view.landmark),
-                            view.seen->bearing, view.seen->covariance);
+    const auto innovation = landmark_innovation(
+        state_, landmarks_[view.landmark], column_of(view.landmark), view.bearing, view.covariance);
     if (!innovation) return std::nullopt;
     PHt.middleCols<2>(row) = innovation->H.times_transposed(P_, n);
     residual.segment<2>(row) = innovation->residual + innovation->H.times(turned);

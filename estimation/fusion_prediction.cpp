@@ -75,6 +75,8 @@ void FusionFilter::predict(const InertialStep& step) {
   const Carried by = carried(state_, step);
   const double shrink = std::exp(-state_.log_scale);
 
+  const double accel_density = has_accel ? config_.accel_density : config_.acceleration_density;
+  double squared_density = square(shrink * accel_density);
   Transition F = Transition::Identity();
   F.block<3, 3>(Index::kPosition, Index::kVelocity).diagonal().setConstant(dt_s);
   if (has_gyro) F.block<3, 3>(Index::kRotation, Index::kGyroBias) = -dt_s * R;
@@ -89,10 +91,15 @@ void FusionFilter::predict(const InertialStep& step) {
         -in_map_s * (by.force_in_world_m_s2 + gravity_m_s2(state_.gravity_tilt_rad));
     F.middleRows<3>(Index::kVelocity) += by_force;
     F.middleRows<3>(Index::kPosition) += 0.5 * dt_s * by_force;
+    // scale and acceleration are multiplied: what neither is known to, no linear step tells
+    const Eigen::Matrix3d of_acceleration =
+        by_force * P_.topLeftCorner<Index::kAnchorRotation, Index::kAnchorRotation>() *
+        by_force.transpose() / square(dt_s);
+    squared_density +=
+        config_.scale_correlated_s * square(scale_sigma()) * of_acceleration.trace() / 3;
   }
   const double rate_density = has_gyro ? config_.gyro_density : kAnyRateDensity;
-  const double accel_density = has_accel ? config_.accel_density : config_.acceleration_density;
-  Matrix9d noise = white_acceleration(square(shrink * accel_density), dt_s);
+  Matrix9d noise = white_acceleration(squared_density, dt_s);
   noise.diagonal().segment<3>(Index::kRotation).setConstant(square(rate_density) * dt_s);
   propagate(F, noise, dt_s);
   state_ = moved(state_, step);

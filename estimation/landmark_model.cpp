@@ -1,34 +1,60 @@
 #include "estimation/landmark_model.hpp"
 
 namespace stillkite {
+namespace {
+
+// Of a landmark from the camera, world axes, as long as the distance to it from the anchor is in
+// inverse depths.
+struct SightLine {
+  Eigen::Vector3d to_anchor, beside, direction;
+  Eigen::Vector3d in_camera;
+};
+
+SightLine sight_line(const FusionState& state, const Landmark& landmark) {
+  SightLine out;
+  out.to_anchor = state.world_from_anchor.translation - state.world_from_camera.translation;
+  out.beside = state.world_from_anchor.rotation * landmark.bearing.homogeneous();
+  out.direction = landmark.inverse_depth * out.to_anchor + out.beside;
+  out.in_camera = state.world_from_camera.rotation.conjugate() * out.direction;
+  return out;
+}
+
+// d(view)/d(direction)
+Eigen::Matrix<double, 2, 3> view_by_direction(const FusionState& state, const SightLine& line) {
+  const Eigen::Vector2d h = line.in_camera.hnormalized();
+  Eigen::Matrix<double, 2, 3> J;
+  J << 1, 0, -h.x(), 0, 1, -h.y();
+  return J / line.in_camera.z() * state.world_from_camera.rotation.conjugate().toRotationMatrix();
+}
+
+}  // namespace
 
 std::optional<Innovation<2>> landmark_innovation(const FusionState& state, const Landmark& landmark,
                                                  int column, const Eigen::Vector2d& seen,
                                                  const Eigen::Matrix2d& covariance) {
   using Index = FusionIndex;
   constexpr double kNearest = 0.05;
-  const Eigen::Matrix3d R_t = state.world_from_camera.rotation.conjugate().toRotationMatrix();
-  const Eigen::Matrix3d R_a = state.world_from_anchor.rotation.toRotationMatrix();
-  const Eigen::Vector3d to_anchor =
-      state.world_from_anchor.translation - state.world_from_camera.translation;
-  const Eigen::Vector3d beside = R_a * landmark.bearing.homogeneous();
-  const Eigen::Vector3d u = landmark.inverse_depth * to_anchor + beside;
-  const Eigen::Vector3d Y = R_t * u;
-  if (!(Y.z() > kNearest)) return std::nullopt;
-  const Eigen::Vector2d h = Y.head<2>() / Y.z();
-
-  Eigen::Matrix<double, 2, 3> J;
-  J << 1, 0, -h.x(), 0, 1, -h.y();
-  J = (J / Y.z() * R_t).eval();
+  const SightLine line = sight_line(state, landmark);
+  if (!(line.in_camera.z() > kNearest)) return std::nullopt;
+  const Eigen::Matrix<double, 2, 3> J = view_by_direction(state, line);
   Eigen::Matrix3d of_landmark;
-  of_landmark << R_a.leftCols<2>(), to_anchor;
-  Innovation<2> innovation{.residual = seen - h, .H = {}, .noise = covariance};
-  innovation.H.add(Index::kRotation, J * skew(u));
+  of_landmark << state.world_from_anchor.rotation.toRotationMatrix().leftCols<2>(), line.to_anchor;
+  Innovation<2> innovation{
+      .residual = seen - line.in_camera.hnormalized(), .H = {}, .noise = covariance};
+  innovation.H.add(Index::kRotation, J * skew(line.direction));
   innovation.H.add(Index::kPosition, -landmark.inverse_depth * J);
-  innovation.H.add(Index::kAnchorRotation, -J * skew(beside));
+  innovation.H.add(Index::kAnchorRotation, -J * skew(line.beside));
   innovation.H.add(Index::kAnchorPosition, landmark.inverse_depth * J);
   innovation.H.add(column, J * of_landmark);
   return innovation;
+}
+
+Eigen::Matrix2d product_covariance(const FusionState& state, const Landmark& landmark,
+                                   const Eigen::Matrix3d& way_covariance,
+                                   double inverse_depth_variance) {
+  const SightLine line = sight_line(state, landmark);
+  const Eigen::Matrix<double, 2, 3> J = view_by_direction(state, line);
+  return inverse_depth_variance * J * way_covariance * J.transpose();
 }
 
 }  // namespace stillkite

@@ -39,6 +39,22 @@ FusionConfig checked(const NavigatorConfig& navigator) {
                                config.min_landmarks, config.landmarks));
 }
 
+FusionConfig fusion_of(const NavigatorConfig& navigator, const InitialState& initial) {
+  FusionConfig config = navigator.fusion;
+  // nothing waits for metres that only the IMU will tell
+  if (initial.scale == ScaleSource::none) {
+    config.depth_correlated_frames = std::max(config.depth_correlated_frames, kCarefulFrames);
+  }
+  return config;
+}
+
+FusionStart start_of(const InitialState& initial, const RigidTransform& body_from_camera) {
+  constexpr double kAnyHeight_log = 1.5;  // a factor of 4.5
+  return {.world_from_camera = initial.world_from_body * body_from_camera,
+          .velocity_sigma = kAnySpeed_heights_s * initial.world_from_body.translation.z(),
+          .log_unit_sigma = initial.scale == ScaleSource::none ? kAnyHeight_log : 0};
+}
+
 }  // namespace
 
 FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -47,12 +63,11 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
     : camera_(camera),
       body_from_camera_(body_from_camera),
       config_(checked(config)),
-      scale_(initial.scale),
+      scale_(initial.scale == ScaleSource::none ? ScaleSource::imu : initial.scale),
       flow_(camera, body_from_camera, config, initial),
       reference_(camera, body_from_camera, config, initial, mode),
       flow_from_camera_(initial.world_from_body * body_from_camera),
-      filter_(config.fusion, initial.world_from_body * body_from_camera,
-              kAnySpeed_heights_s * initial.world_from_body.translation.z()),
+      filter_(fusion_of(config, initial), start_of(initial, body_from_camera)),
       home_(filter_.map()),
       is_ground_flat_(config.fusion.flat_ground) {}
 

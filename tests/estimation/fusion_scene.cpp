@@ -24,7 +24,7 @@ FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig&
     : scene_(scene),
       config_(config),
       engine_(seed * 7919 + 17),
-      filter_(config, looking_ahead(), 1e-3) {
+      filter_(config, {looking_ahead(), scene.velocity_sigma_m_s, scene.log_unit_sigma}) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 3; ++i) {
     sway_phase_[i] = 3 * uniform(engine_);

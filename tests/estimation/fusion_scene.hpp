@@ -18,7 +18,9 @@ struct FusionScene {
   double true_noise_ratio = 1;         ///< of the pixels' noise to that
   bool first_moves_backwards = false;  ///< landmark 0 shifts as if it were behind the camera
   double focal_px = 480;
-  double scale_error_log = 0;  ///< the landmarks' guesses are off by that, all alike
+  double velocity_sigma_m_s = 1e-3;  ///< at the start, as the filter is told; it is at rest
+  double log_unit_sigma = 0;         ///< as the filter is told
+  double scale_error_log = 0;        ///< the landmarks' guesses are off by that, all alike
   bool has_imu = true;
   bool has_flow = false;
   bool has_landmarks = true;

@@ -53,12 +53,13 @@ struct Sway {
 /// The pictures of the sway, with the readings of the IMU before each.
 class FusedFlight {
  public:
-  explicit FusedFlight(double known_height_m = 3, Policy policy = Policy::fused)
+  explicit FusedFlight(double known_height_m = 3, Policy policy = Policy::fused,
+                       ScaleSource scale = ScaleSource::initial_height)
       : scene_(make_room(5)),
         renderer_(small_camera(), 2),
         navigator_(small_camera(), kForwardMount, {},
                    {.world_from_body = {Eigen::Quaterniond::Identity(), {0, 0, known_height_m}},
-                    .scale = ScaleSource::initial_height},
+                    .scale = scale},
                    {.policy = policy}) {}
 
   NavigationEstimate step(const cv::Mat& picture, const InertialReading& bad = {}) {
@@ -175,6 +176,20 @@ TEST(FusedNavigator, LeavesOutReadingsThatAreNoNumbers) {
   }
   EXPECT_EQ(estimate.verdict, Verdict::ok);
   EXPECT_LT(way_error_m(first, estimate).norm(), 0.03);
+}
+
+// The accelerometer measures metres where nothing else does: until it has, there are none.
+TEST(FusedNavigator, KnowsMetresByTheImuWhereNoHeightIsGiven) {
+  FusedFlight flight(1, Policy::fused, ScaleSource::none);
+  const NavigationEstimate first = flight.step();
+  EXPECT_EQ(flight.step().scale, ScaleSource::none);
+  NavigationEstimate estimate;
+  for (int i = 2; i <= 180; ++i) estimate = flight.step();
+  EXPECT_EQ(estimate.scale, ScaleSource::imu);
+  const double error_m = way_error_m(first, estimate).norm();
+  EXPECT_LT(error_m, 0.05);
+  EXPECT_LT(error_m, 3 * std::sqrt(estimate.pose_covariance.topLeftCorner<3, 3>().trace()));
+  EXPECT_EQ(estimate.reference->motion.scale, ScaleSource::imu);
 }
 
 // Nothing but a camera and the height at the start: over flat ground both say the same.
