@@ -104,7 +104,7 @@ std::string run_yaml(PictureFormat format) {
       "source:\n  path: {}\n{}"
       "truth:\n  path: {}\n"
       "initial:\n  from_truth: true\n"
-      "# Other sensors of the same flight, left out: {}imu0/data.csv (gyro.path), range.csv "
+      "# Other sensors of the same flight, left out: {}imu0/data.csv (imu.path), range.csv "
       "(height.path, source range)\n",
       video ? kVideoName : ".", video ? "calibration:\n  path: sensor.yaml\n" : "",
       video ? "truth.tum" : "mav0/state_groundtruth_estimate0", video ? "" : "mav0/");

@@ -105,7 +105,14 @@ void read_truth(const RunConfig& config, const std::optional<EurocDataset>& data
 
 SensorLog read_sensors(const RunConfig& config) {
   SensorLog log;
+  if (config.gyro.path && config.imu.path) {
+    throw InputError("gyro.path and imu.path: give one; imu.path has the angular rates too");
+  }
   if (config.gyro.path) log.angular_rate_in_body_rad_s = read_gyro(*config.gyro.path);
+  if (config.imu.path) {
+    log.angular_rate_in_body_rad_s = read_gyro(*config.imu.path);
+    log.imu = read_imu(*config.imu.path);
+  }
   if (config.attitude.path) log.attitude = read_attitudes(*config.attitude.path);
   if (config.acceleration.path) log.acceleration = read_accelerations(*config.acceleration.path);
   if (config.height.path.has_value() != (config.height.source != HeightSource::none)) {

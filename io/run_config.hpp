@@ -32,6 +32,7 @@ struct RunConfig {
   InitialConfig initial;
   HeightConfig height;
   LogConfig gyro;
+  LogConfig imu;
   LogConfig attitude;
   LogConfig acceleration;
   EstimatorConfig estimator;
@@ -52,6 +53,9 @@ struct RunConfig {
     field("initial", self.initial, "where the flight starts");
     field("height", self.height, "another sensor's height");
     field("gyro", self.gyro, "angular rates of the body, rad/s: wx, wy, wz (EuRoC's imu0 too)");
+    field("imu", self.imu,
+          "instead of gyro, for the fusion: angular rates and specific forces of the body, m/s^2: "
+          "wx, wy, wz, ax, ay, az (EuRoC's imu0)");
     field("attitude", self.attitude, "world from body: qw, qx, qy, qz");
     field("acceleration", self.acceleration,
           "a(t) of the flow paper: ax, ay, az in the world, m/s^2 [, angular in the body]");

@@ -74,6 +74,31 @@ std::optional<Eigen::Vector3d> mean_between(const TimeSeries<Eigen::Vector3d>& s
   return integral / seconds_between(from, to);
 }
 
+std::vector<InertialReading> inertial_between(const TimeSeries<Vector6d>& series, Timestamp from,
+                                              Timestamp to) {
+  std::vector<InertialReading> readings;
+  Timestamp at = from;
+  std::optional<Vector6d> value = value_at(series, from);
+  const auto step_to = [&](Timestamp next, const Vector6d& next_value) {
+    if (value && seconds_between(at, next) <= kLongestGap_s) {
+      const Vector6d mean = 0.5 * (*value + next_value);
+      readings.push_back({.stamp = next,
+                          .angular_rate_in_body_rad_s = mean.head<3>(),
+                          .specific_force_in_body_m_s2 = mean.tail<3>()});
+    }
+    at = next;
+    value = next_value;
+  };
+  const auto first = std::upper_bound(series.stamps.begin(), series.stamps.end(), from);
+  const auto last = std::lower_bound(first, series.stamps.end(), to);
+  readings.reserve(static_cast<std::size_t>(last - first) + 1);
+  for (auto inside = first; inside != last; ++inside) {
+    step_to(*inside, series.values[static_cast<std::size_t>(inside - series.stamps.begin())]);
+  }
+  if (const std::optional<Vector6d> end = value_at(series, to); end && to > at) step_to(to, *end);
+  return readings;
+}
+
 // Rows of a stamp and what `read_row` makes of the cells after it.
 template <typename Value, typename ReadRow>
 TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t columns,
@@ -96,7 +121,8 @@ SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestam
       .height_m = new_value_at(log.height_m, before, now),
       .height_source = log.height_source,
       .attitude = new_value_at(log.attitude, before, now),
-      .acceleration = value_at(log.acceleration, now)};
+      .acceleration = value_at(log.acceleration, now),
+      .inertial = inertial_between(log.imu, before, now)};
 }
 
 TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file) {
@@ -118,6 +144,14 @@ TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
     Vector6d value = Vector6d::Zero();
     value.head<3>() = vector_at(row, 1);
     if (row.columns() >= 7) value.tail<3>() = vector_at(row, 4);
+    return value;
+  });
+}
+
+TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
+  return read_series<Vector6d>(file, 7, [](const TableReader& row) {
+    Vector6d value;
+    value << vector_at(row, 1), vector_at(row, 4);
     return value;
   });
 }

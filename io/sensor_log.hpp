@@ -28,6 +28,7 @@ struct SensorLog {
   ScaleSource height_source = ScaleSource::range;  ///< what measured it
   TimeSeries<Eigen::Quaterniond> attitude;         ///< world_from_body
   TimeSeries<Vector6d> acceleration;               ///< of SensorReadings
+  TimeSeries<Vector6d> imu;  ///< angular rate, specific force; of SensorReadings::inertial
 };
 
 /// Neighbouring readings further apart than this are a gap, in which nothing is known.
@@ -38,7 +39,8 @@ inline constexpr double kFresh_s = 0.05;
 
 /// Readings for the frame at `now`: height and attitude where a reading came since `before`,
 /// interpolated at the frame's stamp or, before a gap, as long as it is fresh; acceleration at any
-/// stamp; the gyro's mean from `before` to `now` (the integral of the line through its readings).
+/// stamp; the gyro's mean from `before` to `now` (the integral of the line through its readings);
+/// of the IMU the means between its readings, the first and the last cut at `before` and `now`.
 /// Else nothing outside a log and in its gaps.
 [[nodiscard]] SensorReadings readings_between(const SensorLog& log, Timestamp before,
                                               Timestamp now);
@@ -48,5 +50,6 @@ inline constexpr double kFresh_s = 0.05;
 [[nodiscard]] TimeSeries<double> read_heights(const std::filesystem::path& file);
 [[nodiscard]] TimeSeries<Eigen::Quaterniond> read_attitudes(const std::filesystem::path& file);
 [[nodiscard]] TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file);
+[[nodiscard]] TimeSeries<Vector6d> read_imu(const std::filesystem::path& file);
 
 }  // namespace stillkite

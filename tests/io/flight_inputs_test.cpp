@@ -101,6 +101,9 @@ TEST_F(Inputs, MessagesNameWhatToMend) {
             "v.mp4: comes without a calibration; give calibration.path or calibration.camera");
   config.calibration.camera =
       CameraConfig{.width_px = 640, .height_px = 480, .centre_x_px = 320, .centre_y_px = 240};
+  config.gyro.path = config.imu.path = folder.file("imu.csv", "1,0,0,0,0,0,9.8\n");
+  EXPECT_EQ(error(), "gyro.path and imu.path: give one; imu.path has the angular rates too");
+  config.gyro = config.imu = {};
   config.height.source = HeightSource::range;
   EXPECT_NE(error().find("height.source and height.path belong together"), std::string::npos);
   config.height.source = HeightSource::none;

@@ -29,7 +29,7 @@ ConfigNode full_config() {
   config.initial.height_m = 400;
   config.height = {.source = HeightSource::range, .path = "/h.csv"};
   config.shadow.enabled = true;
-  config.gyro.path = config.attitude.path = config.acceleration.path = "/s.csv";
+  config.gyro.path = config.imu.path = config.attitude.path = config.acceleration.path = "/s.csv";
   return parse_yaml(print_config(config), "full.yaml", "/");
 }
 

@@ -61,6 +61,32 @@ TEST(SensorLog, MeanRateOfALinearRateIsItsMiddle) {
   EXPECT_FALSE(readings_between(log, at_s(0.4), at_s(0.4)).mean_angular_rate_in_body_rad_s);
 }
 
+// Of a line each piece's mean is its middle: together they are the integral, cut at the frames.
+TEST(SensorLog, ImuReadingsCoverTheTimeBetweenFramesAndNoMore) {
+  SensorLog log;
+  for (int i = 0; i <= 20; ++i) {
+    const double t_s = 0.01 * i;
+    log.imu.stamps.push_back(at_s(t_s));
+    log.imu.values.push_back((Vector6d() << t_s, 0, 1, 0, -3 * t_s, 9.8).finished());
+  }
+  const std::vector<InertialReading> readings =
+      readings_between(log, at_s(0.013), at_s(0.052)).inertial;
+  ASSERT_EQ(readings.size(), 5u);
+  double from_s = 0.013;
+  for (const InertialReading& reading : readings) {
+    const double to_s = to_seconds(reading.stamp);
+    const double middle_s = 0.5 * (from_s + to_s);
+    EXPECT_NEAR(reading.angular_rate_in_body_rad_s.x(), middle_s, 1e-9);
+    EXPECT_NEAR(reading.specific_force_in_body_m_s2.y(), -3 * middle_s, 1e-9);
+    from_s = to_s;
+  }
+  EXPECT_EQ(readings.back().stamp, at_s(0.052));
+  EXPECT_EQ(readings_between(log, at_s(0.195), at_s(0.3)).inertial.size(), 1u) << "the log ends";
+  EXPECT_TRUE(readings_between(log, at_s(0.1), at_s(0.1)).inertial.empty());
+  log.imu.stamps.back() = at_s(2);
+  EXPECT_TRUE(readings_between(log, at_s(1), at_s(1.1)).inertial.empty()) << "a gap";
+}
+
 TEST(SensorLog, AttitudeTurnsAtAConstantRateBetweenReadings) {
   const SensorLog log{
       .attitude = {.stamps = {at_s(0), at_s(0.4)},
@@ -77,6 +103,8 @@ TEST(SensorLog, ReadsEveryKindOfFile) {
                                           "1403715273262142976,1,2,3,4,5,6\n"));
   EXPECT_EQ(gyro.stamps[0].ns, 1403715273262142976);
   EXPECT_EQ(gyro.values[0], Eigen::Vector3d(1, 2, 3));
+  const auto imu = read_imu(folder.file("imu.csv", "1,1,2,3,4,5,6\n"));
+  EXPECT_EQ(imu.values[0], (Vector6d() << 1, 2, 3, 4, 5, 6).finished());
   const auto heights = read_heights(folder.file("range.csv", "t [s],height [m]\n0.5,12.25\n"));
   EXPECT_EQ(heights.stamps[0], at_s(0.5));
   EXPECT_EQ(heights.values[0], 12.25);
