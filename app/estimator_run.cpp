@@ -94,7 +94,10 @@ void tell_of_missing_scale(const FlightInputs& inputs) {
   if (inputs.initial.scale != ScaleSource::none) return;
   fmt::print(stderr,
              "stillkite: no height is given: every metre below is one initial height over the "
-             "ground (initial.height_m sets the scale)\n");
+             "ground (initial.height_m sets the scale){}\n",
+             inputs.sensors.imu.stamps.empty()
+                 ? ""
+                 : "; with estimator.policy=fused a metre from where the column scale says imu");
 }
 
 }  // namespace stillkite

@@ -7,9 +7,14 @@
 namespace stillkite {
 namespace {
 
+// An IMU tells metres midway, and not how high over the ground the flight began.
+bool are_places_in_metres(ScaleSource scale) {
+  return scale != ScaleSource::none && scale != ScaleSource::imu;
+}
+
 EvaluationOptions options_of(const FlightInputs& inputs,
                              std::span<const NavigationEstimate> estimates) {
-  return {.is_metric = estimates.back().scale != ScaleSource::none,
+  return {.is_metric = are_places_in_metres(estimates.back().scale),
           .body_from_camera = inputs.body_from_camera};
 }
 

@@ -166,6 +166,25 @@ TEST(FusionFilter, ANewAnchorKeepsThePoseAndItsCovariance) {
   EXPECT_TRUE(flight.filter().landmarks().empty());
 }
 
+// Anchor, landmarks and what is known of them, whatever came between.
+TEST(FusionFilter, ARestoredMapIsTheOneThatWasLeft) {
+  FusionSimulation flight(FusionScene{}, FusionConfig{}, 10);
+  for (int i = 0; i < 30; ++i) flight.step();
+  flight.filter().take_anchor();  // the first one is exact
+  flight.filter().add_landmark({7, {0.1, -0.2}, 1e-6 * Eigen::Matrix2d::Identity()});
+  flight.cover(true);
+  const FusionMap left = flight.filter().map();
+  for (int i = 0; i < 30; ++i) flight.step();
+  flight.filter().take_anchor();
+  flight.filter().restore(left);
+  const FusionMap back = flight.filter().map();
+  EXPECT_EQ(back.covariance, left.covariance);
+  EXPECT_GT(back.covariance.topLeftCorner(6, 6).trace(), 0);
+  EXPECT_EQ(back.world_from_anchor.translation, left.world_from_anchor.translation);
+  ASSERT_EQ(back.landmarks.size(), 1u);
+  EXPECT_EQ(back.landmarks[0].feature, 7);
+}
+
 FusionConfig few_landmarks() {
   FusionConfig config;
   config.landmarks = 10;
@@ -308,6 +327,7 @@ TEST(FusionFilter, IsNotTooSureWhereNoHeightIsKnown) {
   FusionConfig config;
   config.landmarks = 24;
   config.depth_correlated_frames = kCarefulFrames;
+  config.scale_correlated_s = 5;
   for (const double wrong_log : {-1.0, 0.0, 1.0}) {
     FusionScene scene;
     scene.turn_rad = 0.02;

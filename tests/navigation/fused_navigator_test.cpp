@@ -184,7 +184,7 @@ TEST(FusedNavigator, KnowsMetresByTheImuWhereNoHeightIsGiven) {
   const NavigationEstimate first = flight.step();
   EXPECT_EQ(flight.step().scale, ScaleSource::none);
   NavigationEstimate estimate;
-  for (int i = 2; i <= 180; ++i) estimate = flight.step();
+  for (int i = 2; i <= 360; ++i) estimate = flight.step();
   EXPECT_EQ(estimate.scale, ScaleSource::imu);
   const double error_m = way_error_m(first, estimate).norm();
   EXPECT_LT(error_m, 0.05);
