@@ -38,7 +38,8 @@ std::vector<KnownLandmark> grid_map(double sigma_m) {
   std::vector<KnownLandmark> map;
   map.reserve(20);
   for (int i = 0; i < 20; ++i) {
-    map.push_back({{120.0 * (i / 5) - 180, 120.0 * (i % 5) - 240, 5.0 * std::sin(2.0 * i)},
+    const int row = i / 5;
+    map.push_back({{120.0 * row - 180, 120.0 * (i % 5) - 240, 5.0 * std::sin(2.0 * i)},
                    square(sigma_m) * Eigen::Matrix3d::Identity()});
   }
   return map;
