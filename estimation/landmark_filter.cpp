@@ -7,6 +7,7 @@
 
 #include "estimation/innovation_consensus.hpp"
 #include "estimation/integration.hpp"
+#include "estimation/landmark_model.hpp"
 
 namespace stillkite {
 
@@ -75,11 +76,8 @@ std::optional<Innovation<2>> LandmarkFilter::innovation(const State& at,
       at.camera.translation;
   const Eigen::Vector3d Y = R_t * u;
   if (!(Y.z() > kNearest_m)) return std::nullopt;
-  const Eigen::Vector2d h = Y.hnormalized();
-  Eigen::Matrix<double, 2, 3> J;
-  J << 1, 0, -h.x(), 0, 1, -h.y();
-  J = (J / Y.z() * R_t).eval();
-  Innovation<2> out{.residual = seen.bearing - h, .H = {}, .noise = seen.covariance};
+  const Eigen::Matrix<double, 2, 3> J = bearing_by_direction(R_t, Y);
+  Innovation<2> out{.residual = seen.bearing - Y.hnormalized(), .H = {}, .noise = seen.covariance};
   out.H.add(kPosition, -J);
   out.H.add(kRotation, J * skew(u));
   if (is_member) out.H.add(kLandmarks + 3 * of.slot, J);

@@ -19,15 +19,20 @@ SightLine sight_line(const FusionState& state, const Landmark& landmark) {
   return out;
 }
 
-// d(view)/d(direction)
 Eigen::Matrix<double, 2, 3> view_by_direction(const FusionState& state, const SightLine& line) {
-  const Eigen::Vector2d h = line.in_camera.hnormalized();
-  Eigen::Matrix<double, 2, 3> J;
-  J << 1, 0, -h.x(), 0, 1, -h.y();
-  return J / line.in_camera.z() * state.world_from_camera.rotation.conjugate().toRotationMatrix();
+  return bearing_by_direction(state.world_from_camera.rotation.conjugate().toRotationMatrix(),
+                              line.in_camera);
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 2, 3> bearing_by_direction(const Eigen::Matrix3d& camera_from_world,
+                                                 const Eigen::Vector3d& Y) {
+  const Eigen::Vector2d h = Y.hnormalized();
+  Eigen::Matrix<double, 2, 3> J;
+  J << 1, 0, -h.x(), 0, 1, -h.y();
+  return J / Y.z() * camera_from_world;
+}
 
 std::optional<Innovation<2>> landmark_innovation(const FusionState& state, const Landmark& landmark,
                                                  int column, const Eigen::Vector2d& seen,

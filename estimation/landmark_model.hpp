@@ -8,6 +8,11 @@
 
 namespace stillkite {
 
+/// d(Y_x / Y_z, Y_y / Y_z) / d(direction), with Y the direction (world axes) turned into the
+/// camera.
+[[nodiscard]] Eigen::Matrix<double, 2, 3> bearing_by_direction(
+    const Eigen::Matrix3d& camera_from_world, const Eigen::Vector3d& Y);
+
 /// Where a landmark is seen, compared with where it should be; both on z = 1 of the camera. With
 /// the anchor's pose (R_a, p_a), the camera's (R, p) and m = (bearing, 1),
 ///   Y = R^T (inverse_depth (p_a - p) + R_a m),   h = (Y_x, Y_y) / Y_z,
