@@ -8,15 +8,23 @@ const pointListeners = [];
 
 // Lines: {label, column, color, width, band: column of standard deviations}. Without a column it is
 // zero, with its band about it. The band's edges are series of their own, so that a chart's range
-// takes them in; what is seen is the polygon between them, much faster than dygraphs' own.
+// takes them in, but not where the band is ten times as wide as usual, as at the start: it leaves the
+// chart there. What is seen is the polygon between them, much faster than dygraphs' own.
 const middle = (line, i) => line.column ? columns[line.column][i] : 0;
 const reach = (line, i) => 3 * columns[line.band][i];
 const edges = line => line.band ? [`${line.label} low`, `${line.label} high`] : [];
 
+function widest(line) {
+  const sorted = Array.from(time, (t, i) => reach(line, i)).filter(Number.isFinite).sort((a, b) => a - b);
+  return 10 * sorted[sorted.length >> 1];
+}
+
 function rowsOf(lines) {
-  return Array.from(time, (t, i) => [t, ...lines.flatMap(line => {
+  const most = lines.map(line => line.band ? widest(line) : 0);
+  return Array.from(time, (t, i) => [t, ...lines.flatMap((line, k) => {
     const value = middle(line, i);
-    return line.band ? [value, value - reach(line, i), value + reach(line, i)].map(finite) : [finite(value)];
+    const edge = line.band ? Math.min(reach(line, i), most[k]) : 0;
+    return line.band ? [value, value - edge, value + edge].map(finite) : [finite(value)];
   })]);
 }
 
