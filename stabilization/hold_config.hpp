@@ -91,6 +91,7 @@ struct HoldConfig {
   double max_estimate_age_s = 0.5;
   double max_predicted_sigma_m = 0.1;
   double max_tether_age_s = 0.2;
+  double max_slack_m = 0.5;
   double forget_after_s = 2.0;
   PaperHoldConfig paper;
   RecommendedHoldConfig recommended;
@@ -105,6 +106,8 @@ struct HoldConfig {
           "deviation is below that");
     field("max_tether_age_s", self.max_tether_age_s, kPositive,
           "with a tether reading older than this nothing is commanded");
+    field("max_slack_m", self.max_slack_m, kNotNegative,
+          "so much more the reel may pay out while the tether is slack; mode paper waits instead");
     field("forget_after_s", self.forget_after_s, kNotNegative,
           "after so long without position control the integrals are dropped");
     field("paper", self.paper, "mode paper");

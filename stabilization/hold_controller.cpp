@@ -30,12 +30,16 @@ bool all_zero(const TetherCommand& c) {
          c.yaw_rate_rad_s == 0;
 }
 
-HoldDecision decision_of(const HoldPlan& plan) {
-  const bool holds = all_zero(plan.command);
-  const bool nothing_to_do = holds && plan.reason == HoldReason::none;
+HoldReason reason_of(const HoldPlan& plan, const HoldInput& input) {
+  if (plan.reason != HoldReason::none) return plan.reason;
+  if (!input.tether->taut) return HoldReason::tether_slack;
+  return all_zero(plan.command) ? HoldReason::within_dead_band : HoldReason::none;
+}
+
+HoldDecision decision_of(const HoldPlan& plan, const HoldInput& input) {
   return {.command = plan.command,
-          .action = holds ? HoldAction::hold : HoldAction::command,
-          .reason = nothing_to_do ? HoldReason::within_dead_band : plan.reason,
+          .action = all_zero(plan.command) ? HoldAction::hold : HoldAction::command,
+          .reason = reason_of(plan, input),
           .way_home_in_station_m = plan.way_home_in_station_m,
           .turn_home_rad = plan.turn_home_rad};
 }
@@ -63,13 +67,25 @@ double HoldController::advance(Timestamp now) {
   return dt_s;
 }
 
-HoldPlan HoldController::plan(const HoldInput& input, HoldReason reason, double dt_s) const {
+// A slack tether that is paid out further moves nothing, or hangs low.
+VehicleLimits HoldController::limits_at(const TetherReading& reading) {
+  if (reading.taut || !taut_length_m_) taut_length_m_ = reading.tether.length_m;
+  VehicleLimits limits = config_.limits;
+  if (!reading.taut) {
+    limits.max_length_m = std::min(limits.max_length_m, *taut_length_m_ + config_.max_slack_m);
+  }
+  return limits;
+}
+
+HoldPlan HoldController::plan(const HoldInput& input, HoldReason reason, double dt_s) {
   HoldPlan held{.reason = reason};
   for (std::size_t i = 0; i < axes_.size(); ++i) held.axes[i] = at_rest(axes_[i]);
   if (held.reason != HoldReason::none) return held;
-  const HoldPlan plan = config_.mode == HoldMode::paper
-                            ? plan_as_in_paper(config_, input, axes_, dt_s)
-                            : plan_recommended(config_, input, axes_, own_, dt_s);
+  HoldConfig config = config_;
+  config.limits = limits_at(*input.tether);
+  const HoldPlan plan = config.mode == HoldMode::paper
+                            ? plan_as_in_paper(config, input, axes_, dt_s)
+                            : plan_recommended(config, input, axes_, own_, dt_s);
   if (all_finite(plan.command)) return plan;
   held.reason = HoldReason::not_finite;
   return held;
@@ -92,7 +108,7 @@ HoldDecision HoldController::decide(const HoldInput& latest) {
   }
   own_.set_command(commanded);
   held_.set_command(plan.command);
-  return decision_of(plan);
+  return decision_of(plan, input);
 }
 
 }  // namespace stillkite

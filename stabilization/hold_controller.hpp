@@ -25,7 +25,8 @@ class HoldController {
 
  private:
   [[nodiscard]] double advance(Timestamp now);
-  [[nodiscard]] HoldPlan plan(const HoldInput& input, HoldReason reason, double dt_s) const;
+  [[nodiscard]] HoldPlan plan(const HoldInput& input, HoldReason reason, double dt_s);
+  [[nodiscard]] VehicleLimits limits_at(const TetherReading& reading);
   [[nodiscard]] bool keeps_by_commands() const;
 
   HoldConfig config_;
@@ -34,6 +35,7 @@ class HoldController {
   HeldTether held_;
   std::optional<Timestamp> last_;
   std::optional<Timestamp> last_moved_;  // when the position was controlled last
+  std::optional<double> taut_length_m_;  // read last while the tether was taut
 };
 
 }  // namespace stillkite

@@ -18,7 +18,7 @@ namespace stillkite {
 struct TetherReading {
   Timestamp stamp;
   TetherState tether;
-  bool taut = true;  ///< a slack tether does not say where the drone is
+  bool taut = true;  ///< of a slack tether the length is no distance
 };
 
 /// All that the controller may know at a control instant.
@@ -40,7 +40,7 @@ struct EnumNames<HoldAction> {
       {{HoldAction::hold, "hold"}, {HoldAction::command, "command"}});
 };
 
-/// Why nothing is commanded, or why no more than a turn.
+/// Why nothing is commanded, or less than would bring the drone home.
 enum class HoldReason {
   none,                  ///< position and yaw are both controlled
   no_estimate,           ///< none has arrived yet
@@ -50,7 +50,7 @@ enum class HoldReason {
   not_finite,            ///< a number of the input is none, or a quaternion has no direction
   no_tether_reading,     ///< none has arrived yet
   tether_stale,          ///< too old, or of the future
-  tether_slack,          ///< the tether does not say where the drone is
+  tether_slack,          ///< the reel pays out little more
   tether_out_of_range,   ///< a length or elevation that cannot be
   angle_first,           ///< rotation is corrected before translation, or awaited
   displacement_unknown,  ///< rotation is known, where home lies is not
@@ -75,7 +75,7 @@ struct EnumNames<HoldReason> {
 };
 
 /// A command that is within the vehicle's limits, whatever came in. `hold` always has a reason;
-/// `command` with a reason turns the drone but does not move it.
+/// `command` with a reason turns the drone but does not move it, except on a slack tether.
 struct HoldDecision {
   TetherCommand command;
   HoldAction action = HoldAction::hold;

@@ -69,7 +69,7 @@ HoldReason reason_to_hold(const HoldConfig& config, const HoldInput& input) {
   if (!is_current(input.tether->stamp, input.now, config.max_tether_age_s)) {
     return HoldReason::tether_stale;
   }
-  if (!input.tether->taut) return HoldReason::tether_slack;
+  if (!input.tether->taut && config.mode == HoldMode::paper) return HoldReason::tether_slack;
   if (!is_finite(input.tether->tether)) return HoldReason::not_finite;
   return is_possible(config.limits, input.tether->tether) ? HoldReason::none
                                                           : HoldReason::tether_out_of_range;

@@ -152,7 +152,7 @@ HoldReason promised_reason(const Case& c) {
   if (c.tether == Tether::stale || c.tether == Tether::of_the_future) {
     return HoldReason::tether_stale;
   }
-  if (c.tether == Tether::slack) return HoldReason::tether_slack;
+  if (c.tether == Tether::slack && c.mode == HoldMode::paper) return HoldReason::tether_slack;
   if (c.tether == Tether::not_finite) return HoldReason::not_finite;
   if (c.tether == Tether::absurd) return HoldReason::tether_out_of_range;
   const double most_rad = c.mode == HoldMode::paper ? 5 * kDegree : 20 * kDegree;
@@ -161,11 +161,16 @@ HoldReason promised_reason(const Case& c) {
   if (c.kind == DisplacementKind::zero && c.mode == HoldMode::paper) {
     return HoldReason::within_dead_band;
   }
-  return HoldReason::none;
+  return c.tether == Tether::slack ? HoldReason::tether_slack : HoldReason::none;
 }
 
-bool turns_only(HoldReason reason) {
-  return reason == HoldReason::angle_first || reason == HoldReason::displacement_unknown;
+bool may_move(HoldReason reason) {
+  return reason == HoldReason::none || reason == HoldReason::tether_slack;
+}
+
+bool may_turn(HoldReason reason) {
+  return reason == HoldReason::angle_first || reason == HoldReason::displacement_unknown ||
+         may_move(reason);
 }
 
 void expect_sound(const HoldDecision& decision) {
@@ -175,7 +180,7 @@ void expect_sound(const HoldDecision& decision) {
   const bool any = moves || c.yaw_rate_rad_s != 0;
   ASSERT_EQ(decision.action, any ? HoldAction::command : HoldAction::hold);
   ASSERT_TRUE(any || decision.reason != HoldReason::none);
-  ASSERT_TRUE(!moves || decision.reason == HoldReason::none);
+  ASSERT_TRUE(!moves || may_move(decision.reason));
   // a comparison with a NaN is false
   ASSERT_TRUE(std::abs(c.length_rate_m_s) <= 0.3);
   ASSERT_TRUE(std::abs(c.elevation_rate_rad_s) <= 0.25);
@@ -198,7 +203,7 @@ TEST(HoldController, EveryCombinationCommandsOrHoldsWithItsReason) {
     } else {
       ASSERT_EQ(name_of(decision.reason), name_of(promised));
     }
-    if (promised != HoldReason::none && !turns_only(promised) && c.mode != HoldMode::paper) {
+    if (!may_turn(promised) && c.mode != HoldMode::paper) {
       ASSERT_EQ(decision.action, HoldAction::hold);
     }
     const bool healthy = promised == HoldReason::none && c.kind != DisplacementKind::zero;
@@ -238,6 +243,26 @@ TEST(HoldController, APredictedPlaceCountsWhileItsCovarianceIsSmall) {
   EXPECT_EQ(reason_at(0.0032), HoldReason::none);
   EXPECT_EQ(reason_at(0.0034), HoldReason::estimate_lost);
   EXPECT_EQ(reason_at(std::numeric_limits<double>::quiet_NaN()), HoldReason::estimate_lost);
+}
+
+// The drone hangs below its place, overhead, and its tether is slack: it is steered, but the reel
+// pays out no more than `max_slack_m` beyond what it had while taut.
+TEST(HoldController, ASlackTetherIsSteeredAndNotPaidOutForEver) {
+  HoldConfig config;
+  HoldController controller(config);
+  HoldInput input = input_of({.tether = Tether::zenith});
+  input.estimate->displacement_in_reference = forward_camera().conjugate() * Vector3d(0, 0, -1);
+  double length_m = 2;
+  const auto length_rate_at = [&](double t_s, bool taut) {
+    input.now = input.estimate->stamp = input.tether->stamp = from_seconds(t_s);
+    input.tether->tether.length_m = length_m;
+    input.tether->taut = taut;
+    return controller.decide(input).command.length_rate_m_s;
+  };
+  EXPECT_GT(length_rate_at(0, true), 0);
+  for (int k = 1; k <= 400; ++k) length_m += 0.03 * length_rate_at(0.03 * k, false);
+  EXPECT_NEAR(length_m, 2 + config.max_slack_m, 0.01);
+  EXPECT_GT(length_rate_at(12.1, true), 0.2);
 }
 
 TEST(HoldController, AClockThatRunsBackStartsAfresh) {
