@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core/mat.hpp>
 
@@ -115,7 +116,8 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
   has_last_ = false;
 }
 
-const FeatureTracks& FeatureTracker::track(const cv::Mat& grey) {
+const FeatureTracks& FeatureTracker::track(const cv::Mat& grey,
+                                           std::optional<double> known_turn_rad) {
   current_.build(grey, config_.levels);
   // 1. From where the features were last, or from where they are in the reference.
   const bool warm = config_.warm_start && has_last_;
@@ -127,7 +129,7 @@ const FeatureTracks& FeatureTracker::track(const cv::Mat& grey) {
   }
   align();
   // 2. Where next to none is there, the whole picture may have moved far: search it.
-  if (config_.search && is_lost()) search();
+  if (config_.search && is_lost()) search(known_turn_rad);
   // 3. Still lost, as in a smeared picture: what is found is chance, the next one starts from the
   // last good one and is searched again.
   if (is_lost()) return tracks_;
@@ -164,31 +166,37 @@ bool FeatureTracker::is_lost() const {
           tracks_.found_count < kSuddenShare * last_found_count_);
 }
 
-void FeatureTracker::search() {
+void FeatureTracker::search(std::optional<double> known_turn_rad) {
   const AffineFlow last_motion = motion_;
+  if (known_turn_rad) {
+    search(std::array{*known_turn_rad});
+  } else if (!search(kNoTurn_rad)) {
+    // most pictures have hardly turned about their middle, and are found in a seventh of the time
+    search(kSlightTurns_rad);
+  }
+  motion_ = last_motion;
+}
+
+// True where the features are found, beyond doubt; else the best that there was is kept.
+bool FeatureTracker::search(std::span<const double> turns_rad) {
+  constexpr double kEnoughShare = 0.5;  // which no wrong place reaches
+  const auto is_found = [&](const FeatureTracks& tracks) {
+    return tracks.found_count >= kEnoughShare * static_cast<double>(tracks.found.size());
+  };
   FeatureTracks best = tracks_;
   std::vector<Eigen::Vector2f> best_displacements_px = displacements_px_;
-  const auto is_found = [&] {
-    constexpr double kEnoughShare = 0.5;  // which no wrong place reaches
-    return best.found_count >= kEnoughShare * static_cast<double>(best.found.size());
-  };
-  // a picture that has hardly turned about its middle, as most have, is found in a seventh of the
-  // time
-  for (const SearchedTurns turns : {SearchedTurns::none, SearchedTurns::all}) {
-    for (const PictureShift& shift :
-         find_shifts(reference_.level(0), current_.level(0), Eigen::Matrix3d::Identity(), turns)) {
-      if (is_found()) break;
-      start_from(shift);
-      align();
-      if (tracks_.found_count <= best.found_count) continue;
-      best = tracks_;
-      best_displacements_px = displacements_px_;
-    }
-    if (is_found()) break;
+  for (const PictureShift& shift : find_shifts(reference_.level(0), current_.level(0),
+                                               Eigen::Matrix3d::Identity(), turns_rad)) {
+    if (is_found(best)) break;
+    start_from(shift);
+    align();
+    if (tracks_.found_count <= best.found_count) continue;
+    best = tracks_;
+    best_displacements_px = displacements_px_;
   }
   tracks_ = std::move(best);
   displacements_px_ = std::move(best_displacements_px);
-  motion_ = last_motion;
+  return is_found(tracks_);
 }
 
 void FeatureTracker::start_from(const PictureShift& shift) {

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <opencv2/core/types.hpp>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "flow/affine_flow.hpp"
@@ -55,13 +57,16 @@ class FeatureTracker {
   /// Features whose window leaves the picture are left out. The pixels are shared, not copied.
   void set_reference(const cv::Mat& grey, const std::vector<cv::Point2f>& features_px);
 
-  /// The current picture has the reference's size. The answer holds until the next call.
-  const FeatureTracks& track(const cv::Mat& grey);
+  /// The current picture has the reference's size. The answer holds until the next call. Where the
+  /// features must be searched for and it is known by how much the picture has turned (from the x
+  /// axis to the y axis), that is the one turn that is tried.
+  const FeatureTracks& track(const cv::Mat& grey, std::optional<double> known_turn_rad = {});
 
  private:
   void align();
   [[nodiscard]] bool is_lost() const;
-  void search();
+  void search(std::optional<double> known_turn_rad);
+  bool search(std::span<const double> turns_rad);
   void start_from(const PictureShift& shift);
   void place(int level);
   void step(int level, TileWarp warp);

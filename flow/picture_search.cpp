@@ -1,5 +1,4 @@
 #include "flow/picture_search.hpp"
-#include "geometry/angle.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -14,8 +13,6 @@ namespace {
 constexpr double kLongestSide_px = 160;
 constexpr double kLeastOverlap = 0.25;
 constexpr double kLeastVariance = 0.5;  // grey^2 a pixel; less is a bare picture
-constexpr int kTurns = 3;               // to either side
-constexpr double kTurn_rad = 4 * kDegree;
 constexpr int kPeaksPerTurn = 2;
 constexpr int kPeakRadius_px = 4;
 constexpr std::size_t kMostAnswers = 3;
@@ -140,12 +137,12 @@ Spectra seen_through(const Eigen::Matrix3d& view, const cv::Mat& picture, cv::Si
 }
 
 std::vector<ScoredShift> peaks_of_turns(const cv::Mat& a, const cv::Mat& b,
-                                        const Eigen::Matrix3d& view, int turns_to_a_side) {
+                                        const Eigen::Matrix3d& view,
+                                        std::span<const double> turns_rad) {
   const cv::Size padded(cv::getOptimalDFTSize(2 * a.cols), cv::getOptimalDFTSize(2 * a.rows));
   const Spectra current = seen_through(view, b, padded);
   std::vector<ScoredShift> found;
-  for (int i = -turns_to_a_side; i <= turns_to_a_side; ++i) {
-    const double turn_rad = i * kTurn_rad;
+  for (const double turn_rad : turns_rad) {
     const Spectra turned = seen_through(turn_about_middle(a.size(), turn_rad) * view, a, padded);
     CorrelationMap map = correlate(turned, current, a.size().area());
     for (int k = 0; k < kPeaksPerTurn; ++k) {
@@ -166,7 +163,8 @@ Eigen::Matrix3d shrunk(const Eigen::Matrix3d& view, double across, double down) 
 }  // namespace
 
 std::vector<PictureShift> find_shifts(const cv::Mat& reference, const cv::Mat& current,
-                                      const Eigen::Matrix3d& view, SearchedTurns turns) {
+                                      const Eigen::Matrix3d& view,
+                                      std::span<const double> turns_rad) {
   const double shrink = std::min(1.0, kLongestSide_px / std::max(reference.cols, reference.rows));
   const cv::Size size(std::max(1, static_cast<int>(std::lround(shrink * reference.cols))),
                       std::max(1, static_cast<int>(std::lround(shrink * reference.rows))));
@@ -174,7 +172,7 @@ std::vector<PictureShift> find_shifts(const cv::Mat& reference, const cv::Mat& c
   const double down = static_cast<double>(reference.rows) / size.height;
   std::vector<ScoredShift> found =
       peaks_of_turns(small_copy(reference, size), small_copy(current, size),
-                     shrunk(view, across, down), turns == SearchedTurns::all ? kTurns : 0);
+                     shrunk(view, across, down), turns_rad);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.score > b.score; });
   std::vector<PictureShift> out;

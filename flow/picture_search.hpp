@@ -1,8 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <opencv2/core/mat.hpp>
+#include <span>
 #include <vector>
+
+#include "geometry/angle.hpp"
 
 namespace stillkite {
 
@@ -13,19 +17,20 @@ struct PictureShift {
   double correlation = 0;  ///< of what overlaps, -1..1, its slow changes of brightness removed
 };
 
-/// Which turns of the picture a search tries: most of its time goes into them.
-enum class SearchedTurns { none, all };
+/// The turns of the picture that a search tries: its time grows with their number.
+inline constexpr std::array<double, 1> kNoTurn_rad = {0};
+inline constexpr std::array<double, 7> kSlightTurns_rad = {
+    -12 * kDegree, -8 * kDegree, -4 * kDegree, 0, 4 * kDegree, 8 * kDegree, 12 * kDegree};
 
 /// Looks for `reference` in `current` (both CV_8UC1, of one size) without any first guess: the
-/// normalised correlation at every shift that leaves a quarter of the picture in view, and at turns
-/// of up to 12 degrees (or none), on copies of at most 160 px a side. Coarse, meant to start
-/// something finer. Both are seen through `view` first, a homography of pixels that keeps the
-/// middle; the answer is in its pixels. The most credible few, best first; none where a picture
-/// shows nothing. (D. Padfield, "Masked object registration in the Fourier domain", 2012, eq. 5
-/// to 13.)
+/// normalised correlation at every shift that leaves a quarter of the picture in view, and at every
+/// given turn, on copies of at most 160 px a side. Coarse, meant to start something finer. Both are
+/// seen through `view` first, a homography of pixels that keeps the middle; the answer is in its
+/// pixels. The most credible few, best first; none where a picture shows nothing. (D. Padfield,
+/// "Masked object registration in the Fourier domain", 2012, eq. 5 to 13.)
 [[nodiscard]] std::vector<PictureShift> find_shifts(
     const cv::Mat& reference, const cv::Mat& current,
     const Eigen::Matrix3d& view = Eigen::Matrix3d::Identity(),
-    SearchedTurns turns = SearchedTurns::all);
+    std::span<const double> turns_rad = kSlightTurns_rad);
 
 }  // namespace stillkite

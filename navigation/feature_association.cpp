@@ -51,12 +51,15 @@ bool FeatureAssociation::set_reference(const cv::Mat& grey, int min_features) {
   return true;
 }
 
-const FeatureTracks& FeatureAssociation::find(const cv::Mat& grey) {
+const FeatureTracks& FeatureAssociation::find(const cv::Mat& grey,
+                                              std::optional<double> known_turn_rad) {
   if (const auto* matcher = std::get_if<FeatureMatcher>(&method_)) {
     matched_ = tracks_of(matcher->match(grey));
     return matched_;
   }
-  if (auto* windows = std::get_if<FeatureTracker>(&method_)) return windows->track(grey);
+  if (auto* windows = std::get_if<FeatureTracker>(&method_)) {
+    return windows->track(grey, known_turn_rad);
+  }
   return std::get<OpenCvFeatureTracker>(method_).track(grey);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <variant>
 
 #include "navigation/reference_config.hpp"
@@ -13,8 +14,10 @@ class FeatureAssociation {
 
   /// False, and the former reference stays, where the picture has fewer features than that.
   [[nodiscard]] bool set_reference(const cv::Mat& grey, int min_features);
-  /// The answer holds until the next call.
-  [[nodiscard]] const FeatureTracks& find(const cv::Mat& grey);
+  /// The answer holds until the next call. The turn of the picture since the reference, where it is
+  /// known, spares a search most of its time.
+  [[nodiscard]] const FeatureTracks& find(const cv::Mat& grey,
+                                          std::optional<double> known_turn_rad = {});
 
  private:
   DetectorConfig detector_;

@@ -1,5 +1,6 @@
 #include "navigation/reference_navigator.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "estimation/relative_pose_estimator.hpp"
@@ -28,6 +29,12 @@ bool is_featureless(const cv::Mat& grey) {
 
 Eigen::Vector3d up_in_camera(const Eigen::Quaterniond& world_from_camera) {
   return world_from_camera.conjugate() * Eigen::Vector3d::UnitZ();
+}
+
+// About the optical axis, from x to y.
+double picture_turn_rad(const Eigen::Quaterniond& current_from_reference) {
+  const Eigen::Matrix3d R = current_from_reference.toRotationMatrix();
+  return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
 }
 
 EstimateStatus status_of(Verdict verdict) {
@@ -194,7 +201,9 @@ void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdi
 // Many of its features, and of those most in one pose: less may be chance.
 bool ReferenceNavigator::sees_home(const Frame& frame, const SensorReadings& readings) {
   if (references_.size() == 1 || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
-  const FeatureTracks& tracks = references_.front().association.find(frame.grey);
+  const double turn_rad = picture_turn_rad(current_.world_from_camera.conjugate() *
+                                           references_.front().attitude.world_from_camera);
+  const FeatureTracks& tracks = references_.front().association.find(frame.grey, turn_rad);
   if (tracks.found_count < kManyTimes * config_.min_features) return false;
   const RelativePoseEstimate pose =
       estimate(feature_bearings(camera_, tracks).pairs, references_.front(), {}, readings.attitude);

@@ -127,6 +127,24 @@ TEST(FeatureTracker, FindsFeaturesFarFromWhereTheyWere) {
   }
 }
 
+TEST(FeatureTracker, SearchesAtTheKnownTurnAlone) {
+  const cv::Mat reference = scene();
+  const double turn_rad = 0.2;
+  const Eigen::Affine2d motion = motion_about_middle(turn_rad, 1, {25, -19});
+  cv::Mat moved;
+  const cv::Matx23d A(motion(0, 0), motion(0, 1), motion(0, 2), motion(1, 0), motion(1, 1),
+                      motion(1, 2));
+  cv::warpAffine(reference, moved, A, kSize, cv::INTER_CUBIC, cv::BORDER_REFLECT);
+  const auto found_at = [&](double known_turn_rad) {
+    FeatureTracker tracker({});
+    tracker.set_reference(reference, corners(reference));
+    return error_of(tracker.track(moved, known_turn_rad), motion);
+  };
+  EXPECT_GT(found_at(turn_rad).found, 70);
+  EXPECT_LT(found_at(turn_rad).worst_px, 0.3);
+  EXPECT_LT(found_at(-turn_rad).found, 20);
+}
+
 TEST(FeatureTracker, FollowsALongWayWithoutDrift) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});

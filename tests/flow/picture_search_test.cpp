@@ -58,7 +58,7 @@ TEST(PictureSearch, LeavesTurnsOutIfAsked) {
   const cv::Mat wide = ground(1024);
   const cv::Rect seen(300, 300, 320, 240);
   const auto found = find_shifts(wide(seen + cv::Point(-70, 30)), wide(seen),
-                                 Eigen::Matrix3d::Identity(), SearchedTurns::none);
+                                 Eigen::Matrix3d::Identity(), kNoTurn_rad);
   ASSERT_FALSE(found.empty());
   EXPECT_NEAR(found[0].shift_px.x(), -70, 4);
   EXPECT_NEAR(found[0].shift_px.y(), 30, 4);
