@@ -104,6 +104,13 @@ class FusionFilter {
     Eigen::VectorXd error;
     Eigen::MatrixXd A_t;
   };
+  // below the anchor by its height, map units
+  struct LowLandmark {
+    std::size_t landmark;
+    double height;
+    double sigma_ratio = 0;  // against the one that is known best, as a share
+    [[nodiscard]] bool is_known() const { return sigma_ratio <= 0.03; }
+  };
   void propagate(const Transition& F, const Matrix9d& noise, double dt_s);
   template <int kRows>
   bool correct(const Innovation<kRows>& innovation);
@@ -121,6 +128,9 @@ class FusionFilter {
     return FusionIndex::kLandmarks + 3 * static_cast<int>(landmark);
   }
   void remove_landmark(std::size_t i);
+  [[nodiscard]] std::vector<LowLandmark> landmarks_below() const;
+  [[nodiscard]] static std::optional<double> ground_level(const std::vector<LowLandmark>& below);
+  [[nodiscard]] SparseRows<1> height_row(const Landmark& landmark, int column, double factor) const;
   [[nodiscard]] Innovation<1> ground_innovation(const Landmark& landmark, int column) const;
   void clone_camera(int first);
   [[nodiscard]] double height_below_anchor(const Landmark& landmark) const;

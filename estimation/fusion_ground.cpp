@@ -7,10 +7,15 @@ namespace stillkite {
 namespace {
 
 using Index = FusionIndex;
+// Of heights, as shares: what lies on one level differs by less.
 constexpr double kSameLevel = 0.04;
 
+bool is_on_level(double height, double level) {
+  return std::abs(height / level - 1) <= kSameLevel;
+}
+
 // The largest height on which, within kSameLevel of it, several lie; that of their middle.
-std::optional<double> lowest_level(std::vector<double> heights) {
+std::optional<double> lowest_of(std::vector<double> heights) {
   constexpr std::size_t kSeveral = 5;
   std::sort(heights.begin(), heights.end());
   for (std::size_t last = heights.size(); last-- > kSeveral - 1;) {
@@ -39,36 +44,79 @@ double FusionFilter::height_below_anchor(const Landmark& landmark) const {
   return -up(state_).dot(beside) / landmark.inverse_depth;
 }
 
-int FusionFilter::update_ground(bool is_flat) {
-  // 1. Landmarks below the camera; their depth has shown, or is the ground's anyway.
+// In a height what all landmarks share, as the way that all depths were learnt by, is of no
+// matter to whether they lie on one level: each is compared with the one that is known best.
+std::vector<FusionFilter::LowLandmark> FusionFilter::landmarks_below() const {
   constexpr double kSteepness = 0.1;
-  constexpr double kKnown = 0.1;
-  std::vector<double> heights;
-  std::vector<std::size_t> candidates;
+  std::vector<LowLandmark> below;
+  std::vector<SparseRows<1>> rows;
+  std::vector<double> variances;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    const int column = Index::kLandmarks + 3 * static_cast<int>(i) + 2;
-    const double inverse_depth = landmarks_[i].inverse_depth;
-    const bool is_known = inverse_depth > 0 && P_(column, column) <= square(kKnown * inverse_depth);
-    if (!is_flat && !is_known) continue;
-    const double height = height_below_anchor(landmarks_[i]);
-    if (height * inverse_depth < kSteepness) continue;
-    heights.push_back(height);
-    candidates.push_back(i);
+    const Landmark& landmark = landmarks_[i];
+    if (!(landmark.inverse_depth > 0)) continue;
+    const double height = height_below_anchor(landmark);
+    if (height * landmark.inverse_depth < kSteepness) continue;
+    below.push_back({.landmark = i, .height = height});
+    rows.push_back(height_row(landmark, column_of(i), 1 / height));
+    variances.push_back(rows.back().covariance(P_)(0, 0));
   }
-  // 2. Nothing is below the ground: it is the lowest level on which several of them lie.
-  const std::optional<double> ground = lowest_level(heights);
-  if (!is_flat && !ground) return 0;
-  // 3. So high the anchor is, by what is known of the start and the way since.
+  if (below.empty()) return below;
+  const auto best = static_cast<std::size_t>(std::min_element(variances.begin(), variances.end()) -
+                                             variances.begin());
+  const Eigen::VectorXd with_best = rows[best].times_transposed(P_, size());
+  for (std::size_t k = 0; k < below.size(); ++k) {
+    const double difference = variances[k] + variances[best] - 2 * rows[k].times(with_best)(0, 0);
+    below[k].sigma_ratio = std::sqrt(std::max(0.0, difference));
+  }
+  return below;
+}
+
+// The lowest on which several lie whose heights are known, unless others lie below it for certain:
+// then it is a table, and the floor's are not yet known.
+std::optional<double> FusionFilter::ground_level(const std::vector<LowLandmark>& below) {
+  constexpr double kSigmas = 2;
+  constexpr int kStray = 1;
+  std::vector<double> known;
+  for (const LowLandmark& low : below) {
+    if (low.is_known()) known.push_back(low.height);
+  }
+  const std::optional<double> level = lowest_of(known);
+  if (!level) return std::nullopt;
+  const auto lower = std::count_if(below.begin(), below.end(), [&](const LowLandmark& low) {
+    return low.height / *level > 1 + kSameLevel + kSigmas * low.sigma_ratio;
+  });
+  return lower <= kStray ? level : std::nullopt;
+}
+
+int FusionFilter::update_ground(bool is_flat) {
+  // 1. Landmarks below the camera, and the ground's level: where it is flat they are all on it.
+  const std::vector<LowLandmark> below = landmarks_below();
+  const std::optional<double> level = is_flat ? std::nullopt : ground_level(below);
+  if (!is_flat && !level) return 0;
+  // 2. So high the anchor is, by what is known of the start and the way since.
   int count = 0;
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    Landmark& landmark = landmarks_[candidates[c]];
-    const bool is_on_it = is_flat || std::abs(heights[c] / *ground - 1) <= kSameLevel;
+  for (const LowLandmark& low : below) {
+    Landmark& landmark = landmarks_[low.landmark];
+    const bool is_on_it = is_flat || (low.is_known() && is_on_level(low.height, *level));
     if (landmark.is_on_ground || !is_on_it) continue;
-    const int column = Index::kLandmarks + 3 * static_cast<int>(candidates[c]);
-    landmark.is_on_ground = correct(ground_innovation(landmark, column));
+    landmark.is_on_ground = correct(ground_innovation(landmark, column_of(low.landmark)));
     if (landmark.is_on_ground) ++count;
   }
   return count;
+}
+
+// d(-up . b / inverse_depth), times a factor, with b = R_a (bearing, 1).
+SparseRows<1> FusionFilter::height_row(const Landmark& landmark, int column, double factor) const {
+  const Eigen::Vector3d u = up(state_);
+  const Eigen::Matrix3d R = state_.world_from_anchor.rotation.toRotationMatrix();
+  const double depth = 1 / landmark.inverse_depth;
+  const Eigen::Vector3d to_landmark = depth * (R * landmark.bearing.homogeneous());
+  SparseRows<1> row;
+  row.add(Index::kTilt, -factor * up_by_tilt(to_landmark));
+  row.add(Index::kAnchorRotation, factor * u.transpose() * skew(to_landmark));
+  row.add(column, factor * depth *
+                      Eigen::RowVector3d(-u.dot(R.col(0)), -u.dot(R.col(1)), u.dot(to_landmark)));
+  return row;
 }
 
 // The anchor's height is that of the way down to the landmark: with b = R_a (bearing, 1), in map
@@ -77,20 +125,14 @@ int FusionFilter::update_ground(bool is_flat) {
 Innovation<1> FusionFilter::ground_innovation(const Landmark& landmark, int column) const {
   using Row = Eigen::Matrix<double, 1, 1>;
   const Eigen::Vector3d u = up(state_);
-  const Eigen::Matrix3d R = state_.world_from_anchor.rotation.toRotationMatrix();
-  const Eigen::Vector3d beside = R * landmark.bearing.homogeneous();
   const Eigen::Vector3d way = state_.world_from_anchor.translation - start_in_world_;
   const double known = start_in_world_.z() * std::exp(-(state_.log_scale + state_.log_height));
-  const double depth = 1 / landmark.inverse_depth;
-  Innovation<1> innovation{.residual = Row(known + u.dot(way + depth * beside)),
-                           .H = {},
+  Innovation<1> innovation{.residual = Row(known + u.dot(way) - height_below_anchor(landmark)),
+                           .H = height_row(landmark, column, 1),
                            .noise = Row(square(config_.ground_sigma_ratio * known))};
   innovation.H.add(Index::kScale, Eigen::RowVector2d(known, known));
-  innovation.H.add(Index::kTilt, -up_by_tilt(way + depth * beside));
+  innovation.H.add(Index::kTilt, -up_by_tilt(way));
   innovation.H.add(Index::kAnchorPosition, -u.transpose());
-  innovation.H.add(Index::kAnchorRotation, depth * u.transpose() * skew(beside));
-  innovation.H.add(column, Eigen::RowVector3d(-depth * u.dot(R.col(0)), -depth * u.dot(R.col(1)),
-                                              depth * depth * u.dot(beside)));
   return innovation;
 }
 

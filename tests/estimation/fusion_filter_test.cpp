@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <random>
+#include <vector>
 
 #include "estimation/landmark_model.hpp"
 #include "tests/estimation/fusion_scene.hpp"
@@ -204,6 +205,50 @@ TEST(FusionFilter, FindsTheScaleByTheGround) {
   }
   EXPECT_NEAR(flight.filter().state().log_scale, 0.0, 0.06);
   EXPECT_LT(flight.filter().scale_sigma(), 0.05);
+}
+
+// Landmarks half as far down as ahead, so far below a camera 3 m up, and known to that share.
+struct LowPoint {
+  double below_m = 0;
+  double sigma_ratio = 0;
+};
+
+FusionFilter filter_with(const std::vector<LowPoint>& points) {
+  const Eigen::Matrix3d ahead = (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
+  FusionFilter filter({}, {.world_from_camera = {Eigen::Quaterniond(ahead), {0, 0, 3}}});
+  filter.take_anchor();
+  FusionMap map = filter.map();
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(6 + 3 * static_cast<int>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double inverse_depth = 0.5 / points[i].below_m;
+    map.landmarks.push_back({.feature = static_cast<int>(i),
+                             .bearing = {0.01 * static_cast<double>(i), 0.5},
+                             .inverse_depth = inverse_depth});
+    sigma.segment<3>(6 + 3 * static_cast<int>(i)) << 1e-4, 1e-4,
+        points[i].sigma_ratio * inverse_depth;
+  }
+  map.covariance = sigma.cwiseAbs2().asDiagonal();
+  filter.restore(map);
+  return filter;
+}
+
+// A table is known first, for it is nearer: as long as others are known to lie below it, it is not
+// taken for the ground, even if their own level is not known well enough. One alone may be wrong.
+TEST(FusionFilter, TakesNoTableForTheGround) {
+  const std::vector<LowPoint> table(5, {.below_m = 2.2, .sigma_ratio = 0.01});
+  const auto with = [&](std::size_t count, double below_m, double sigma_ratio) {
+    std::vector<LowPoint> points = table;
+    points.insert(points.end(), count, {.below_m = below_m, .sigma_ratio = sigma_ratio});
+    return points;
+  };
+  EXPECT_EQ(filter_with(with(5, 3, 0.05)).update_ground(false), 0);
+  EXPECT_EQ(filter_with(with(5, 3, 0.3)).update_ground(false), 5);  // they may be anywhere
+  EXPECT_EQ(filter_with(with(1, 3, 0.05)).update_ground(false), 5);
+  FusionFilter knows_floor = filter_with(with(5, 3, 0.01));
+  EXPECT_EQ(knows_floor.update_ground(false), 5);
+  for (const Landmark& landmark : knows_floor.landmarks()) {
+    EXPECT_EQ(landmark.is_on_ground, landmark.feature >= 5);
+  }
 }
 
 // Of a start whose height is known the flow's view gives the way in metres, whatever the camera has
