@@ -106,8 +106,8 @@ class FusionFilter {
   };
   // below the anchor by its height, map units
   struct LowLandmark {
-    std::size_t landmark;
-    double height;
+    std::size_t landmark = 0;
+    double height = 0;
     double sigma_ratio = 0;  // against the one that is known best, as a share
     [[nodiscard]] bool is_known() const { return sigma_ratio <= 0.03; }
   };
