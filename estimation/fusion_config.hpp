@@ -23,6 +23,7 @@ struct FusionConfig {
   double ground_sigma_ratio = 0.01;
   double keyframe_view_sigma_ratio = 0.02;
   double flow_correlated_frames = 10;
+  double height_correlated_frames = 10;
   double depth_correlated_frames = 30;
   double scale_correlated_s = 1.0;
   double acceleration_density = 1.0;
@@ -66,6 +67,8 @@ struct FusionConfig {
           "ground that is not flat");
     field("flow_correlated_frames", self.flow_correlated_frames, Range{.min = 1},
           "frames over which the flow's errors are alike; its variance is taken that many times");
+    field("height_correlated_frames", self.height_correlated_frames, Range{.min = 1},
+          "the same of a range finder's or barometer's height");
     field("depth_correlated_frames", self.depth_correlated_frames, kNotNegative,
           "frames over which what way and depths are not known to moves the features alike; the "
           "variance of their product is taken that many times");

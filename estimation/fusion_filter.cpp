@@ -12,7 +12,10 @@ using Index = FusionIndex;
 }  // namespace
 
 FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
-    : config_(config), start_in_world_(start.world_from_camera.translation) {
+    : config_(config),
+      start_in_world_(start.world_from_camera.translation),
+      start_m_(start_in_world_),
+      is_height_given_(start.log_unit_sigma == 0) {
   const int most = Index::kLandmarks + 3 * config.landmarks;
   P_ = Eigen::MatrixXd::Zero(most, most);
   landmarks_.reserve(static_cast<std::size_t>(config.landmarks));
@@ -27,9 +30,13 @@ FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
   set(Index::kTilt, 2, config.tilt_sigma_rad);
   set(Index::kScale, 1, config.scale_sigma_ratio);
   set(Index::kHeight, 1, config.height_sigma_ratio);
-  // of a unit that is no metre the height is as many metres: both or neither
+  doubt_height(start.log_unit_sigma);
+}
+
+// Of a unit that is no metre the height is as many metres: both or neither.
+void FusionFilter::doubt_height(double sigma_ratio) {
   P_.block<2, 2>(Index::kScale, Index::kScale) +=
-      square(start.log_unit_sigma) * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
+      square(sigma_ratio) * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
 }
 
 int FusionFilter::size() const {
@@ -123,7 +130,7 @@ RigidTransform FusionFilter::world_from_camera_m() const {
   // the first frame stays where it was said to be
   const double scale = std::exp(state_.log_scale);
   return {state_.world_from_camera.rotation,
-          start_in_world_ + scale * (state_.world_from_camera.translation - start_in_world_)};
+          start_m_ + scale * (state_.world_from_camera.translation - start_in_world_)};
 }
 
 Eigen::Vector3d FusionFilter::velocity_in_world_m_s() const {

@@ -51,6 +51,11 @@ class FusionFilter {
   void take_keyframe();
   /// The vertical as another sensor has it, any length, in the camera.
   bool update_up(const Eigen::Vector3d& up_in_camera);
+  /// The camera's height over the ground as another sensor has it, > 0. Where no height was given
+  /// at the start the first one lifts the start to where it was. False: refused.
+  bool update_height(double height_m, double sigma_m);
+  /// The height given at the start, and all metres with it, may be wrong by that share more.
+  void doubt_height(double sigma_ratio);
 
   /// Drops the landmarks: the camera, here, is the anchor of those to come.
   void take_anchor();
@@ -141,7 +146,9 @@ class FusionFilter {
 
   FusionConfig config_;
   FusionState state_;
-  Eigen::Vector3d start_in_world_;
+  Eigen::Vector3d start_in_world_;  // map units
+  Eigen::Vector3d start_m_;
+  bool is_height_given_;
   std::vector<Landmark> landmarks_;
   std::vector<int> dropped_;
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use

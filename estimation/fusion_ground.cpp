@@ -136,6 +136,28 @@ Innovation<1> FusionFilter::ground_innovation(const Landmark& landmark, int colu
   return innovation;
 }
 
+// Of its logarithm, in which a wrong unit, however wrong, is one sum. In metres
+//   h = h0 exp(-log_height) + exp(log_scale) up . (p - p_0)
+bool FusionFilter::update_height(double height_m, double sigma_m) {
+  using Row = Eigen::Matrix<double, 1, 1>;
+  const Eigen::Vector3d u = up(state_);
+  const Eigen::Vector3d way = state_.world_from_camera.translation - start_in_world_;
+  const double h = height(state_.world_from_camera.translation);
+  if (!(h > 0 && height_m > 0)) return false;
+  const double from_start = 1 - u.dot(way) / h;
+  Innovation<1> innovation{
+      .residual = Row(std::log(height_m / h) - state_.log_scale),
+      .H = {},
+      .noise = Row(config_.height_correlated_frames * square(sigma_m / height_m))};
+  innovation.H.add(Index::kPosition, u.transpose() / h);
+  innovation.H.add(Index::kTilt, up_by_tilt(way) / h);
+  innovation.H.add(Index::kScale, Eigen::RowVector2d(1 - from_start, -from_start));
+  if (!correct(innovation)) return false;
+  if (!is_height_given_) start_m_.z() = start_in_world_.z() * std::exp(-state_.log_height);
+  is_height_given_ = true;
+  return true;
+}
+
 // From the keyframe (R_k, p_k) at the height h_k, to the camera (R, p):
 //   Q = R^T R_k,   t = R^T (p_k - p) / h_k
 bool FusionFilter::update_keyframe_view(const PlaneMotion& seen, const Matrix6d& covariance) {

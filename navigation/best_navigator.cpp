@@ -1,11 +1,11 @@
 #include "navigation/best_navigator.hpp"
 
 #include <algorithm>
-#include <functional>
 
 #include "estimation/ground_relief.hpp"
 #include "navigation/motion_from_pose.hpp"
 #include "navigation/motion_from_start.hpp"
+#include "navigation/stop_watch.hpp"
 
 namespace stillkite {
 namespace {
@@ -87,8 +87,7 @@ NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,
                           both_turned(decision_.correction_covariance, world);
   }
   out.reference = reference.reference;
-  std::transform(flow.stage_ms.begin(), flow.stage_ms.end(), reference.stage_ms.begin(),
-                 out.stage_ms.begin(), std::plus<>());
+  out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   return out;
 }
 

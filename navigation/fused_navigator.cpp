@@ -5,12 +5,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "estimation/ground_relief.hpp"
 #include "geometry/plane.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/inertial_steps.hpp"
+#include "navigation/sensor_update.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
@@ -19,12 +19,6 @@ namespace {
 // Neither the flow nor enough landmarks were to be believed, whatever the reference alone says.
 Verdict unmeasured(Verdict reference) {
   return is_measured(reference) ? Verdict::too_few_inliers : reference;
-}
-
-std::array<double, kStageCount> sum_of(std::array<double, kStageCount> a,
-                                       const std::array<double, kStageCount>& b) {
-  std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());
-  return a;
 }
 
 FusionConfig checked(const NavigatorConfig& navigator) {
@@ -65,6 +59,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
     : camera_(camera),
       body_from_camera_(body_from_camera),
       config_(checked(config)),
+      sensors_(config.sensors),
       scale_(initial.scale == ScaleSource::none ? ScaleSource::imu : initial.scale),
       flow_(camera, body_from_camera, config, initial),
       reference_(camera, body_from_camera, config, initial, mode),
@@ -83,10 +78,10 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const NavigationEstimate reference = reference_.step(frame, interval, hints);
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
-  if (interval.spoiled == Verdict::first_frame) first_ = last_ = frame.stamp;
+  if (interval.spoiled == Verdict::first_frame) scale_stamp_ = last_ = frame.stamp;
   const Eigen::Vector3d velocity_before = filter_.velocity_in_world_m_s();
   predict(readings, frame.stamp, reference);
-  if (readings.attitude) see_up(*readings.attitude);
+  take_readings(readings, frame.stamp);
   // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
   flow_from_camera_ = flow_from_camera;
   if (flow.verdict == Verdict::ok) judge_ground();
@@ -110,7 +105,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
                           : flow_taken || landmarks_taken ? Verdict::ok
                                                           : unmeasured(reference.verdict);
   NavigationEstimate out = answer(frame, verdict);
-  out.stage_ms = sum_of(flow.stage_ms, reference.stage_ms);
+  out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   out.new_keyframe = reference.new_keyframe;
   out.quality = reference.quality;
@@ -171,9 +166,22 @@ void FusedNavigator::take_rate(const NavigationEstimate& estimate) {
   rate_covariance_ = estimate.twist_covariance.bottomRightCorner<3, 3>();
 }
 
-void FusedNavigator::see_up(const Eigen::Quaterniond& world_from_body) {
-  const Eigen::Quaterniond world_from_camera = world_from_body * body_from_camera_.rotation;
-  filter_.update_up(world_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
+void FusedNavigator::take_readings(const SensorReadings& readings, Timestamp now) {
+  const CameraReadings camera =
+      of_camera(readings, body_from_camera_, filter_.state().world_from_camera.rotation);
+  if (camera.attitude) filter_.update_up(camera.attitude->conjugate() * Eigen::Vector3d::UnitZ());
+  if (!camera.height_m) return;
+  // under a range finder a table is no ground; where nothing told a height before, the first counts
+  const bool is_told = scale_ != ScaleSource::imu;
+  if (camera.height_source == ScaleSource::range && is_told && !is_ground_flat_) return;
+  // a sensor outranks what was said at the start
+  if (scale_ == ScaleSource::initial_height && !is_start_doubted_) {
+    filter_.doubt_height(sensors_.start_height_sigma_ratio);
+    is_start_doubted_ = true;
+  }
+  if (!filter_.update_height(*camera.height_m, sensors_.height_sigma_m)) return;
+  scale_ = camera.height_source;
+  scale_stamp_ = now;
 }
 
 // What the IMU's readings leave open.
@@ -285,7 +293,7 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) c
   // metres that were merely guessed are none
   const bool is_metric = filter_.scale_sigma() < config_.metric_below_sigma_ratio;
   out.scale = is_metric ? scale_ : ScaleSource::none;
-  if (out.scale != ScaleSource::none) out.scale_age_s = seconds_between(first_, frame.stamp);
+  if (out.scale != ScaleSource::none) out.scale_age_s = seconds_between(scale_stamp_, frame.stamp);
   return out;
 }
 

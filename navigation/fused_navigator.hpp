@@ -30,7 +30,7 @@ class FusedNavigator {
   [[nodiscard]] InertialStep uncovered_step(const SensorReadings& readings, double dt_s,
                                             const NavigationEstimate& reference) const;
   void take_rate(const NavigationEstimate& estimate);
-  void see_up(const Eigen::Quaterniond& world_from_body);
+  void take_readings(const SensorReadings& readings, Timestamp now);
   void judge_ground();
   [[nodiscard]] bool see_ground();
   [[nodiscard]] bool see_landmarks(bool is_home);
@@ -42,6 +42,7 @@ class FusedNavigator {
   Camera camera_;
   RigidTransform body_from_camera_;
   FusionConfig config_;
+  SensorConfig sensors_;
   ScaleSource scale_;
   KeyframeNavigator flow_;
   ReferenceNavigator reference_;
@@ -49,9 +50,10 @@ class FusedNavigator {
   RigidTransform flow_from_camera_;
   RigidTransform flow_from_anchor_;  // at the reference frame
   FusionFilter filter_;
-  FusionMap home_;  // as it was when the first reference was left
-  Timestamp first_;
+  FusionMap home_;         // as it was when the first reference was left
+  Timestamp scale_stamp_;  // when the metres were last told
   Timestamp last_;
+  bool is_start_doubted_ = false;  // a sensor has measured its height since
   bool is_ground_flat_;
   int contrary_ = 0;       // frames in a row that showed otherwise
   bool has_gyro_ = false;  // since the last frame

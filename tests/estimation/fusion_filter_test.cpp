@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -120,6 +122,50 @@ TEST(FusionFilter, LearnsNoScaleFromPicturesAlone) {
   const double before = flight.filter().scale_sigma();
   for (int i = 0; i < 300; ++i) flight.step();
   EXPECT_NEAR(flight.filter().scale_sigma(), before, 1e-9);
+}
+
+// A start of unknown height is one map unit up, whatever that is.
+TEST(FusionFilter, TheFirstHeightIsTheUnit) {
+  FusionFilter filter({}, {.world_from_camera = {{}, {0, 0, 1}}, .log_unit_sigma = 1.5});
+  EXPECT_TRUE(filter.update_height(20, 0.2));
+  EXPECT_NEAR(filter.world_from_camera_m().translation.z(), 20, 0.1);
+  EXPECT_NEAR(filter.state().log_scale, std::log(20), 0.01);
+}
+
+TEST(FusionFilter, RefusesAHeightThatCannotBe) {
+  FusionFilter filter({}, {.world_from_camera = {{}, {0, 0, 3}}});
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (const double height_m : {4.0, 0.0, -3.0, kNaN, HUGE_VAL}) {
+    EXPECT_FALSE(filter.update_height(height_m, 0.02)) << height_m;
+  }
+  filter.doubt_height(0.3);
+  EXPECT_TRUE(filter.update_height(4, 0.02));
+}
+
+// What a barometer says of a climb is metres, where landmarks know the way but for its unit.
+TEST(FusionFilter, HeightsTellMetresWithoutInertia) {
+  double nees = 0;
+  constexpr int kSeeds = 20;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    FusionScene scene;
+    scene.has_imu = false;
+    scene.sway_m = 1;
+    scene.scale_error_log = 0.2;
+    FusionSimulation flight(scene, FusionConfig{}, 60 + seed);
+    const double before = flight.filter().scale_sigma();
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<double> error_m(0, 0.02);
+    for (int i = 0; i < 300; ++i) {
+      flight.step();
+      flight.filter().update_height(
+          flight.truth().world_from_camera.translation.z() + error_m(engine), 0.02);
+    }
+    EXPECT_LT(flight.filter().scale_sigma(), 0.5 * before) << seed;
+    const Vector6d error = flight.pose_error();
+    nees += error.dot(flight.filter().pose_covariance().ldlt().solve(error)) / kSeeds;
+  }
+  std::printf("NEES %.2f\n", nees);
+  EXPECT_LT(nees, 10);
 }
 
 TEST(FusionFilter, RefusesALandmarkThatJumps) {

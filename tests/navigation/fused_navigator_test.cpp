@@ -213,6 +213,30 @@ TEST(FusedNavigator, FollowsTheFlowOverFlatGround) {
   }
 }
 
+// No height at the start, but a range finder: the flight is known as if there had been one.
+TEST(FusedNavigator, KnowsMetresByARangeFinder) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  InitialState start = flight.start();
+  start.world_from_body.translation.z() = 1;
+  start.scale = ScaleSource::none;
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, start,
+                      {.policy = Policy::fused});
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const RigidTransform& truth = flight.truth(i);
+    SensorReadings readings;
+    // dumb for a while: its age tells
+    if (i % 10 < 8) {
+      const double along = (truth.rotation * Eigen::Vector3d::UnitZ()).z();
+      readings.height_m = truth.translation.z() / along;
+    }
+    const NavigationEstimate estimate = navigator.step(flight.frames[i], readings);
+    if (i < 15) continue;  // until the features have shown flat ground
+    EXPECT_EQ(estimate.scale, ScaleSource::range) << i;
+    EXPECT_EQ(estimate.scale_age_s > 0, !readings.height_m) << i;
+    EXPECT_LT((estimate.world_from_body.translation - truth.translation).norm(), 0.1) << i;
+  }
+}
+
 TEST(FusedNavigator, FeaturesThatAreNumberedAnewAreAnError) {
   NavigatorConfig config;
   config.reference.association = Association::matching;
