@@ -41,6 +41,7 @@ struct Options {
   int views = 150;
   int jpeg_quality = 80;
   double way_m = 0.05;
+  double ahead_m = 0;
   double contrast_ratio = 1;
   double noise_grey = 2;
 };
@@ -69,7 +70,7 @@ class SwayingCamera {
   }
 
   void collect(int view, SamplesOfFeature& samples) {
-    const RigidTransform camera = pose_at(view / kFramesPerSecond);
+    const RigidTransform camera = pose_at(view);
     const FeatureTracks& tracks = tracker_.track(picture(camera));
     for (std::size_t i = 0; i < tracks.found.size(); ++i) {
       const Eigen::Vector2d at_px = tracks.reference_px[i].cast<double>();
@@ -87,11 +88,14 @@ class SwayingCamera {
   }
 
  private:
-  [[nodiscard]] RigidTransform pose_at(double t_s) const {
+  [[nodiscard]] RigidTransform pose_at(int view) const {
+    const double t_s = view / kFramesPerSecond;
     const Eigen::Vector3d way(std::sin(1.3 * t_s), std::sin(1.7 * t_s + 1),
                               std::sin(2.1 * t_s + 2));
     const Eigen::Vector3d turn(0, 0, 0.3 * kDegree * std::sin(1.5 * t_s + 0.5));
-    return {so3_exp(turn) * reference_.rotation, reference_.translation + options_.way_m * way};
+    const double ahead_m = options_.ahead_m * view / options_.views;
+    return {so3_exp(turn) * reference_.rotation,
+            reference_.translation + options_.way_m * way + ahead_m * Eigen::Vector3d::UnitX()};
   }
 
   [[nodiscard]] cv::Mat picture(const RigidTransform& world_from_camera) {
@@ -190,6 +194,28 @@ void print_over_time(const SamplesOfFeature& samples, int views) {
   fmt::print("\n");
 }
 
+// Fifths of the views: on the way ahead, and with it the windows' growth.
+void print_by_fifth(const SamplesOfFeature& samples, const Options& options) {
+  fmt::print("{:>10}{:>10}{:>10}{:>14}{:>12}\n", "ahead, m", "samples", "rms, px", "told rms, px",
+             "chi square");
+  for (int fifth = 0; fifth < 5; ++fifth) {
+    double square = 0, told = 0, chi_square = 0;
+    int count = 0;
+    for (const auto& [feature, views] : samples) {
+      for (const Sample& sample : views) {
+        if (5 * sample.view / options.views != fifth) continue;
+        square += 0.5 * sample.error_px.squaredNorm();
+        told += sample.sigma_px * sample.sigma_px;
+        chi_square += sample.chi_square;
+        ++count;
+      }
+    }
+    if (count == 0) continue;
+    fmt::print("{:>10.2f}{:>10}{:>10.4f}{:>14.4f}{:>12.2f}\n", options.ahead_m * (fifth + 0.5) / 5,
+               count, std::sqrt(square / count), std::sqrt(told / count), chi_square / count);
+  }
+}
+
 int run(int argc, char** argv) {
   Options options;
   CLI::App app("What features are off by in a rendered hover, beside what the tracker says");
@@ -199,6 +225,7 @@ int run(int argc, char** argv) {
   app.add_option("--seed", options.seed, "of scene and noise");
   app.add_option("--views", options.views, "at 30 a second")->check(CLI::Range(40, 100000));
   app.add_option("--way-m", options.way_m, "amplitude of the sway along each axis");
+  app.add_option("--ahead-m", options.ahead_m, "way towards what is seen, evenly over the views");
   app.add_option("--noise-grey", options.noise_grey, "1 sigma of a pixel");
   app.add_option("--contrast-ratio", options.contrast_ratio, "what haze leaves of the scene's");
   app.add_option("--jpeg-quality", options.jpeg_quality, "0: not compressed");
@@ -209,7 +236,8 @@ int run(int argc, char** argv) {
   SamplesOfFeature samples;
   for (int i = 0; i < options.views; ++i) camera.collect(i, samples);
   print_by_sigma(samples);
-  print_over_time(samples, options.views);
+  print_by_fifth(samples, options);
+  if (options.ahead_m == 0) print_over_time(samples, options.views);
   return 0;
 }
 

@@ -112,6 +112,8 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
   correlations_.assign(count, 0);
   alive_.assign(count, 0);
   motion_ = {};
+  deformation_.set_points(tracks_.reference_px);
+  gradients_.assign(count, Eigen::Matrix2f::Zero());
   last_found_count_ = 0;
   has_last_ = false;
 }
@@ -127,7 +129,7 @@ const FeatureTracks& FeatureTracker::track(const cv::Mat& grey,
       displacements_px_[i] = motion_.at(tracks_.reference_px[i]);
     }
   }
-  align();
+  align(warm);
   // 2. Where next to none is there, the whole picture may have moved far: search it.
   if (config_.search && is_lost()) search(known_turn_rad);
   // 3. Still lost, as in a smeared picture: what is found is chance, the next one starts from the
@@ -141,7 +143,7 @@ const FeatureTracks& FeatureTracker::track(const cv::Mat& grey,
   return tracks_;
 }
 
-void FeatureTracker::align() {
+void FeatureTracker::align(bool is_warm) {
   // 1. Lucas-Kanade, coarse to fine; what strays on a coarse level goes on with the others.
   for (int level = reference_.levels() - 1; level > 0; --level) {
     for (int i = 0; i < kCoarseSteps; ++i) step(level, TileWarp::shift);
@@ -150,7 +152,14 @@ void FeatureTracker::align() {
   constexpr float kSlightDeformation = 0.03F;
   const TileWarp warp =
       motion_.gradient.norm() > kSlightDeformation ? TileWarp::affine : TileWarp::shift;
-  for (int i = 0; i < config_.steps; ++i) step(0, warp);
+  for (std::size_t i = 0; i < gradients_.size(); ++i) {
+    if (!is_warm || tracks_.found[i] == 0) gradients_[i] = motion_.gradient;
+  }
+  // settled by half, the displacements tell how each window is deformed
+  for (int i = 0; i < config_.steps; ++i) {
+    step(0, warp);
+    if (i == config_.steps / 2) gradients_ = deformation_.fit(displacements_px_, alive_, motion_);
+  }
   // 2. What has left the picture, looks different or does not lead back is lost.
   judge();
   if (config_.forward_backward_px > 0) track_back();
@@ -189,7 +198,7 @@ bool FeatureTracker::search(std::span<const double> turns_rad) {
                                                Eigen::Matrix3d::Identity(), turns_rad)) {
     if (is_found(best)) break;
     start_from(shift);
-    align();
+    align(false);
     if (tracks_.found_count <= best.found_count) continue;
     best = tracks_;
     best_displacements_px = displacements_px_;
@@ -220,10 +229,12 @@ void FeatureTracker::place(int level) {
                                                            : Eigen::Vector2f(0, 0);
     placement_.x_px[k] = grid.centre_x_px[k] + d.x();
     placement_.y_px[k] = grid.centre_y_px[k] + d.y();
-    placement_.axx[k] = 1 + motion_.gradient(0, 0);
-    placement_.axy[k] = motion_.gradient(0, 1);
-    placement_.ayx[k] = motion_.gradient(1, 0);
-    placement_.ayy[k] = 1 + motion_.gradient(1, 1);
+    const Eigen::Matrix2f& gradient =
+        level == 0 && k < gradients_.size() ? gradients_[k] : motion_.gradient;
+    placement_.axx[k] = 1 + gradient(0, 0);
+    placement_.axy[k] = gradient(0, 1);
+    placement_.ayx[k] = gradient(1, 0);
+    placement_.ayy[k] = 1 + gradient(1, 1);
   }
 }
 
@@ -282,13 +293,16 @@ void FeatureTracker::track_back() {
   constexpr float kStartOff_px = 2;
   back_grid_ = feature_grid(tracks_.current_px, 1, current_.level(0));
   placement_.resize(back_grid_.count);
-  const Eigen::Matrix2f A = Eigen::Matrix2f::Identity() + motion_.gradient;
-  const Eigen::Matrix2f back =
-      A.determinant() > 0.1F ? A.inverse().eval() : Eigen::Matrix2f::Identity();
+  const auto back_of = [&](std::size_t i) -> Eigen::Matrix2f {
+    const Eigen::Matrix2f A = Eigen::Matrix2f::Identity() + gradients_[i];
+    return A.determinant() > 0.1F ? A.inverse().eval() : Eigen::Matrix2f::Identity();
+  };
   for (std::size_t i = 0; i < placement_.x_px.size(); ++i) {
     const bool real = i < tracks_.found.size() && tracks_.found[i] != 0;
     Eigen::Vector2f start(TilePlacement::kNowhere_px, TilePlacement::kNowhere_px);
+    Eigen::Matrix2f back = Eigen::Matrix2f::Identity();
     if (real) {
+      back = back_of(i);
       // from where the picture as a whole would have it, not from the answer that is tested
       const Eigen::Vector2f whole = motion_.at(tracks_.reference_px[i]) - displacements_px_[i];
       const float length = whole.norm();
@@ -317,7 +331,8 @@ void FeatureTracker::track_back() {
     if (tracks_.found[i] == 0) continue;
     const Eigen::Vector2f centre(back_grid_.centre_x_px[i], back_grid_.centre_y_px[i]);
     const Eigen::Vector2f led_to(placement_.x_px[i], placement_.y_px[i]);
-    const Eigen::Vector2f began = tracks_.reference_px[i] + back * (centre - tracks_.current_px[i]);
+    const Eigen::Vector2f began =
+        tracks_.reference_px[i] + back_of(i) * (centre - tracks_.current_px[i]);
     if ((led_to - began).norm() > static_cast<float>(config_.forward_backward_px)) {
       tracks_.found[i] = 0;
     }

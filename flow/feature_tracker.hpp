@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flow/affine_flow.hpp"
+#include "flow/local_deformation.hpp"
 #include "flow/picture_search.hpp"
 #include "flow/pyramid.hpp"
 #include "flow/tile_flow.hpp"
@@ -63,7 +64,7 @@ class FeatureTracker {
   const FeatureTracks& track(const cv::Mat& grey, std::optional<double> known_turn_rad = {});
 
  private:
-  void align();
+  void align(bool is_warm);
   [[nodiscard]] bool is_lost() const;
   void search(std::optional<double> known_turn_rad);
   bool search(std::span<const double> turns_rad);
@@ -81,6 +82,8 @@ class FeatureTracker {
   TilePlacement placement_;
   TileFlow tiles_;
   AffineFlow motion_;
+  LocalDeformation deformation_;
+  std::vector<Eigen::Matrix2f> gradients_;  // of each feature's displacement about it
   std::vector<Eigen::Vector2f> displacements_px_;
   std::vector<float> last_steps_px_;
   std::vector<float> correlations_;

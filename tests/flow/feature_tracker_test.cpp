@@ -157,6 +157,35 @@ TEST(FeatureTracker, FollowsALongWayWithoutDrift) {
   }
 }
 
+// The left half stays, the right one comes nearer: no one deformation fits both.
+TEST(FeatureTracker, EachWindowGrowsAsItsNeighboursDo) {
+  constexpr int kSeam_px = 200;
+  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  FeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  const Eigen::Vector2d about(300, 150);
+  for (int percent = 1; percent <= 10; ++percent) {
+    const Eigen::Affine2d growth = Eigen::Translation2d(about) *
+                                   Eigen::Scaling(1 + 0.01 * percent) *
+                                   Eigen::Translation2d(-about);
+    cv::Mat now = reference.clone();
+    const cv::Rect right(kSeam_px, 0, kSize.width - kSeam_px, kSize.height);
+    analytic_frame(kSize, growth)(right).copyTo(now(right));
+    const FeatureTracks& tracks = tracker.track(now);
+    double square = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+      const Eigen::Vector2d at = tracks.reference_px[i].cast<double>();
+      if (tracks.found[i] == 0 || std::abs(at.x() - kSeam_px) < 30) continue;
+      const Eigen::Vector2d truth = at.x() < kSeam_px ? at : growth * at;
+      square += (tracks.current_px[i].cast<double>() - truth).squaredNorm();
+      ++count;
+    }
+    EXPECT_GT(count, 70) << percent;
+    EXPECT_LT(std::sqrt(square / count), 0.05) << percent;
+  }
+}
+
 TEST(FeatureTracker, DoesNotMindBrightness) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
