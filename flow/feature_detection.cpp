@@ -1,5 +1,6 @@
 #include "flow/feature_detection.hpp"
 
+#include <cmath>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -18,16 +19,17 @@ cv::Ptr<cv::Feature2D> make_detector(const DetectorConfig& config) {
   return cv::FastFeatureDetector::create(config.fast_threshold);
 }
 
-std::vector<cv::KeyPoint> detect_key_points(const cv::Mat& grey, const DetectorConfig& config) {
+std::vector<cv::KeyPoint> detect_key_points(const cv::Mat& grey, const DetectorConfig& config,
+                                            const cv::Mat& mask = cv::Mat()) {
   std::vector<cv::KeyPoint> found;
   if (config.kind == Detector::shi_tomasi) {
     std::vector<cv::Point2f> corners;
     cv::goodFeaturesToTrack(grey, corners, config.max_features, config.quality,
-                            config.min_distance_px, cv::noArray(), config.block_px);
+                            config.min_distance_px, mask, config.block_px);
     cv::KeyPoint::convert(corners, found, static_cast<float>(config.block_px));
     return found;
   }
-  make_detector(config)->detect(grey, found);
+  make_detector(config)->detect(grey, found, mask);
   cv::KeyPointsFilter::retainBest(found, config.max_features);
   return found;
 }
@@ -53,9 +55,16 @@ cv::FlannBasedMatcher make_matcher(int descriptor_type) {
 
 }  // namespace
 
-std::vector<cv::Point2f> detect_features(const cv::Mat& grey, const DetectorConfig& config) {
+std::vector<cv::Point2f> detect_features(const cv::Mat& grey, const DetectorConfig& config,
+                                         const std::vector<cv::Point2f>& followed_px) {
+  cv::Mat free_of_them;
+  if (!followed_px.empty()) {
+    free_of_them = cv::Mat(grey.size(), CV_8U, cv::Scalar(255));
+    const int radius_px = static_cast<int>(std::lround(config.min_distance_px));
+    for (const cv::Point2f& at : followed_px) cv::circle(free_of_them, at, radius_px, 0, -1);
+  }
   std::vector<cv::Point2f> points_px;
-  cv::KeyPoint::convert(detect_key_points(grey, config), points_px);
+  cv::KeyPoint::convert(detect_key_points(grey, config, free_of_them), points_px);
   return points_px;
 }
 

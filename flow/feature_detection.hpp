@@ -43,9 +43,11 @@ struct DetectorConfig {
   }
 };
 
-/// Features of a grey picture, the strongest first.
-[[nodiscard]] std::vector<cv::Point2f> detect_features(const cv::Mat& grey,
-                                                       const DetectorConfig& config);
+/// Features of a grey picture, the strongest first; none within `min_distance_px` of one of
+/// `followed_px`.
+[[nodiscard]] std::vector<cv::Point2f> detect_features(
+    const cv::Mat& grey, const DetectorConfig& config,
+    const std::vector<cv::Point2f>& followed_px = {});
 
 /// Places of the same features in two pictures.
 struct FeatureMatches {

@@ -33,7 +33,8 @@ FeatureTracks tracks_of(const FeatureMatches& matches) {
 FeatureAssociation::FeatureAssociation(const ReferenceConfig& config)
     : detector_(config.detector), method_(make_association(config)) {}
 
-bool FeatureAssociation::set_reference(const cv::Mat& grey, int min_features) {
+bool FeatureAssociation::set_reference(const cv::Mat& grey, int min_features,
+                                       const std::vector<cv::Point2f>& followed_px) {
   if (std::holds_alternative<FeatureMatcher>(method_)) {
     FeatureMatcher matcher(detector_);
     matcher.set_reference(grey);
@@ -41,7 +42,9 @@ bool FeatureAssociation::set_reference(const cv::Mat& grey, int min_features) {
     method_ = std::move(matcher);
     return true;
   }
-  const std::vector<cv::Point2f> features_px = detect_features(grey, detector_);
+  std::vector<cv::Point2f> features_px = followed_px;
+  const std::vector<cv::Point2f> others_px = detect_features(grey, detector_, followed_px);
+  features_px.insert(features_px.end(), others_px.begin(), others_px.end());
   if (static_cast<int>(features_px.size()) < min_features) return false;
   if (auto* windows = std::get_if<FeatureTracker>(&method_)) {
     windows->set_reference(grey, features_px);

@@ -12,8 +12,10 @@ class FeatureAssociation {
  public:
   explicit FeatureAssociation(const ReferenceConfig& config);
 
-  /// False, and the former reference stays, where the picture has fewer features than that.
-  [[nodiscard]] bool set_reference(const cv::Mat& grey, int min_features);
+  /// False, and the former reference stays, where the picture has fewer features than that. The
+  /// first of its features are those that were followed up to here, where they are in the picture.
+  [[nodiscard]] bool set_reference(const cv::Mat& grey, int min_features,
+                                   const std::vector<cv::Point2f>& followed_px = {});
   /// The answer holds until the next call. The turn of the picture since the reference, where it is
   /// known, spares a search most of its time.
   [[nodiscard]] const FeatureTracks& find(const cv::Mat& grey,

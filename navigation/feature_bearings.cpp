@@ -22,6 +22,19 @@ FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& trac
   return bearings;
 }
 
+std::vector<cv::Point2f> followed_features(const FeatureTracks& tracks,
+                                           const FeatureBearings& bearings,
+                                           const std::vector<unsigned char>& inliers) {
+  std::vector<cv::Point2f> followed_px;
+  for (std::size_t i = 0; i < std::min(inliers.size(), bearings.pairs.size()); ++i) {
+    if (inliers[i] == 0) continue;
+    // a window's centre is half a pixel from its feature
+    const Eigen::Vector2f& centre = tracks.current_px[bearings.feature_of_pair[i]];
+    followed_px.emplace_back(centre.x() + 0.5F, centre.y() + 0.5F);
+  }
+  return followed_px;
+}
+
 std::vector<std::size_t> spread_pairs(const std::vector<BearingPair>& pairs,
                                       const std::vector<unsigned char>& inliers,
                                       const std::vector<Eigen::Vector2d>& at_hand,

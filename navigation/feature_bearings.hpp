@@ -19,6 +19,11 @@ struct FeatureBearings {
 };
 [[nodiscard]] FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks);
 
+/// The inliers, where they are now, as features of this picture.
+[[nodiscard]] std::vector<cv::Point2f> followed_features(const FeatureTracks& tracks,
+                                                         const FeatureBearings& bearings,
+                                                         const std::vector<unsigned char>& inliers);
+
 /// Up to `count` inliers spread over the reference: each next one as far from those chosen and at
 /// hand as can be, none nearer than 0.02 on z = 1.
 [[nodiscard]] std::vector<std::size_t> spread_pairs(const std::vector<BearingPair>& pairs,

@@ -32,6 +32,7 @@ struct EnumNames<PoseSolver> {
 struct ReferenceConfig {
   int renew_every_frames = 0;
   int min_features = 100;
+  double renew_below_ratio = 0;
   int patience_frames = 10;
   int seek_home_every_frames = 10;
   DetectorConfig detector{.max_features = 1000, .quality = 0.003, .min_distance_px = 8};
@@ -48,6 +49,8 @@ struct ReferenceConfig {
           "a new reference frame that often; 0: only when too few features are left");
     field("min_features", self.min_features, Range{8, 20000},
           "features still in view, below which the frame becomes the new reference");
+    field("renew_below_ratio", self.renew_below_ratio, Range{0, 0.9},
+          "the same as a share of the most that were found of it");
     field(
         "patience_frames", self.patience_frames, kNotNegative,
         "frames in a row with too few of them before a new reference is taken: they may come back");

@@ -67,6 +67,7 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   windows_.clear();
   bearings_ = {};
   inliers_.clear();
+  followed_px_.clear();
   twist_.reset();
   begin_report(frame.stamp);
   // 1. The first frame is the one to hold. Nothing is learnt of a frozen picture, or out of turn.
@@ -76,6 +77,7 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   // 2. Where the reference's features are in this frame; the lost ones are dropped.
   if (sees_home(frame, readings)) go_home(frame.stamp);
   const FeatureTracks& tracks = references_.back().association.find(frame.grey);
+  references_.back().most_found = std::max(references_.back().most_found, tracks.found_count);
   const double flow_ms = watch.lap_ms();
   // 3. Undistorted, they tell how the camera has turned and which way it has gone.
   bearings_ =
@@ -96,7 +98,9 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
 
 ReferenceNavigator::Reference ReferenceNavigator::fresh_reference() const {
   const bool is_numbered_anew = config_.association == Association::matching;
-  return {FeatureAssociation(config_), {}, {is_numbered_anew ? 0 : readout_s_, camera_.height_px}};
+  return {.association = FeatureAssociation(config_),
+          .attitude = {},
+          .row_times = {is_numbered_anew ? 0 : readout_s_, camera_.height_px}};
 }
 
 void ReferenceNavigator::begin_report(Timestamp now) {
@@ -163,6 +167,9 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
   report_.motion.parallax_rad = parallax_rad(bearings_.pairs, pose);
   windows_ = drawn_features(tracks, bearings_, pose);
   inliers_ = pose.inliers;
+  if (config_.association == Association::windows) {
+    followed_px_ = followed_features(tracks, bearings_, inliers_);
+  }
 }
 
 void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
@@ -186,10 +193,15 @@ void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
   last_pose_ = pose.pose;
 }
 
+int ReferenceNavigator::fewest_features(const Reference& reference) const {
+  return std::max(config_.min_features,
+                  static_cast<int>(config_.renew_below_ratio * reference.most_found));
+}
+
 void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdict verdict) {
   ++frames_since_reference_;
   const bool measured = verdict == Verdict::ok;
-  const bool is_thin = features < config_.min_features;
+  const bool is_thin = features < fewest_features(references_.back());
   failures_ = is_thin && !measured ? failures_ + 1 : 0;
   const bool is_time = config_.renew_every_frames > 0 && measured &&
                        frames_since_reference_ >= config_.renew_every_frames;
@@ -204,7 +216,7 @@ bool ReferenceNavigator::sees_home(const Frame& frame, const SensorReadings& rea
   const double turn_rad = picture_turn_rad(current_.world_from_camera.conjugate() *
                                            references_.front().attitude.world_from_camera);
   const FeatureTracks& tracks = references_.front().association.find(frame.grey, turn_rad);
-  if (tracks.found_count < kManyTimes * config_.min_features) return false;
+  if (tracks.found_count < kManyTimes * fewest_features(references_.front())) return false;
   const RelativePoseEstimate pose =
       estimate(feature_bearings(camera_, tracks).pairs, references_.front(), {}, readings.attitude);
   return pose.model != ViewModel::undecided && 2 * pose.inlier_count > tracks.found_count;
@@ -235,10 +247,10 @@ bool ReferenceNavigator::keeps_home() const {
 bool ReferenceNavigator::set_reference(const cv::Mat& grey) {
   if (is_featureless(grey)) return false;
   if (!has_reference_ || !is_home_ || !keeps_home()) {
-    return references_.back().association.set_reference(grey, config_.min_features);
+    return references_.back().association.set_reference(grey, config_.min_features, followed_px_);
   }
   Reference next = fresh_reference();
-  if (!next.association.set_reference(grey, config_.min_features)) return false;
+  if (!next.association.set_reference(grey, config_.min_features, followed_px_)) return false;
   references_.push_back(std::move(next));
   frames_away_ = 0;
   return true;
@@ -254,6 +266,7 @@ bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
   if (has_reference_ && mode_ == Mode::paper) current_.world_from_camera = start_.rotation;
   has_reference_ = true;
   current_.covariance_from_reference.setZero();
+  references_.back().most_found = 0;
   references_.back().attitude = current_;
   references_.back().attitude.stamp = frame.stamp;
   references_.back().row_times.begin(frame.stamp);

@@ -50,6 +50,7 @@ class ReferenceNavigator {
     FeatureAssociation association;
     Attitude attitude;
     RowTimes row_times;
+    int most_found = 0;  // of its features, in one frame
   };
 
   NavigationEstimate start(const Frame& frame);
@@ -66,6 +67,7 @@ class ReferenceNavigator {
   [[nodiscard]] Verdict judge(const RelativePoseEstimate& pose, int features);
   [[nodiscard]] bool is_swept_away(int features) const;
   void report(const FeatureTracks& tracks, const RelativePoseEstimate& pose, Verdict verdict);
+  [[nodiscard]] int fewest_features(const Reference& reference) const;
   void turn(const RelativePoseEstimate& pose, Timestamp now);
   void renew_reference(const Frame& frame, int features, Verdict verdict);
   [[nodiscard]] bool take_reference(const Frame& frame, bool measured);
@@ -97,6 +99,7 @@ class ReferenceNavigator {
   ReferenceReport report_;
   FeatureBearings bearings_;
   std::vector<unsigned char> inliers_;
+  std::vector<cv::Point2f> followed_px_;  // inliers, in the picture at hand
   std::vector<WindowFlow> windows_;
 };
 

@@ -246,6 +246,21 @@ TEST(FeatureDetection, EachDetectorFindsFeaturesThatMatchThemselves) {
   }
 }
 
+TEST(FeatureDetection, LeavesRoomForThoseThatAreFollowed) {
+  const cv::Mat grey = analytic_frame({400, 300}, Eigen::Affine2d::Identity());
+  for (const Detector kind : {Detector::shi_tomasi, Detector::fast}) {
+    const DetectorConfig config{.kind = kind, .min_distance_px = 10, .fast_threshold = 5};
+    std::vector<cv::Point2f> followed = detect_features(grey, config);
+    ASSERT_GT(followed.size(), 20U);
+    followed.resize(followed.size() / 2);
+    const std::vector<cv::Point2f> others = detect_features(grey, config, followed);
+    EXPECT_GT(others.size(), 5U);
+    for (const cv::Point2f& other : others) {
+      for (const cv::Point2f& at : followed) EXPECT_GT(cv::norm(other - at), 9);
+    }
+  }
+}
+
 TEST(FeatureDetection, FindsNothingWhereThereIsNothing) {
   const cv::Mat grey(200, 200, CV_8UC1, cv::Scalar(80));
   for (const auto& [kind, name] : EnumNames<Detector>::value) {

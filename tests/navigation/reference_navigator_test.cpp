@@ -174,6 +174,36 @@ TEST(ReferenceNavigator, CarriesRotationToANewReference) {
   }
 }
 
+// To the left by 1.5 degrees a frame. A feature that is followed into the new reference is the same
+// point: the attitude goes on to a tenth of a degree.
+TEST(ReferenceNavigator, TakesANewReferenceWhenAShareOfItsFeaturesIsLeft) {
+  ReferenceConfig config;
+  config.renew_below_ratio = 0.6;
+  Navigator early = make_reference_navigator(Mode::recommended, config);
+  Navigator late = make_reference_navigator();
+  int most = 0;
+  int renewed_at = 0;
+  for (int i = 0; i <= 20 && renewed_at == 0; ++i) {
+    const RigidTransform truth = at(kHome, 1.5 * i);
+    const Frame frame = frame_of(room().picture(truth, i), i);
+    const NavigationEstimate estimate = early.step(frame);
+    const int features = estimate.reference->features;
+    most = std::max(most, features);
+    EXPECT_FALSE(late.step(frame).reference->new_reference && i > 0) << i;
+    EXPECT_EQ(estimate.reference->new_reference, i == 0 || features < static_cast<int>(0.6 * most))
+        << i;
+    if (i > 0 && estimate.reference->new_reference) renewed_at = i;
+  }
+  ASSERT_GT(renewed_at, 3);
+  for (int i = renewed_at + 1; i <= renewed_at + 3; ++i) {
+    const RigidTransform truth = at(kHome, 1.5 * i);
+    const NavigationEstimate estimate = early.step(frame_of(room().picture(truth, i), i));
+    EXPECT_FALSE(estimate.reference->is_home);
+    EXPECT_EQ(estimate.verdict, Verdict::ok);
+    EXPECT_LT(angle_between_rad(estimate.world_from_body.rotation, truth.rotation), 0.1 * kDegree);
+  }
+}
+
 // 60 degrees to the left, where nothing of the first picture is in view, and back.
 TEST(ReferenceNavigator, GoesBackToTheFirstReferenceWhenItIsSeenAgain) {
   Navigator navigator = make_reference_navigator();
