@@ -16,6 +16,7 @@ struct FusionConfig {
   bool flat_ground = false;
   int landmarks = 48;
   int min_landmarks = 12;
+  double renew_below_ratio = 0.3;
   double inverse_depth_sigma_ratio = 0.5;
   double scale_sigma_ratio = 0.5;
   double metric_below_sigma_ratio = 0.25;
@@ -50,6 +51,9 @@ struct FusionConfig {
           "features of the reference whose place in space is estimated");
     field("min_landmarks", self.min_landmarks, Range{4, 200},
           "seen in a frame, without which it measured nothing");
+    field("renew_below_ratio", self.renew_below_ratio, Range{0, 0.9},
+          "at least so for `reference.renew_below_ratio`: what is known of the landmarks goes over "
+          "into the new reference, and few that are left are seen from ever stranger places");
     field("inverse_depth_sigma_ratio", self.inverse_depth_sigma_ratio, kPositive,
           "of a new landmark's inverse depth, as a share of its guess");
     field("scale_sigma_ratio", self.scale_sigma_ratio, kPositive,

@@ -16,9 +16,9 @@ FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
       start_in_world_(start.world_from_camera.translation),
       start_m_(start_in_world_),
       is_height_given_(start.log_unit_sigma == 0) {
-  const int most = Index::kLandmarks + 3 * config.landmarks;
+  const int most = Index::kLandmarks + 3 * most_landmarks();
   P_ = Eigen::MatrixXd::Zero(most, most);
-  landmarks_.reserve(static_cast<std::size_t>(config.landmarks));
+  landmarks_.reserve(static_cast<std::size_t>(most_landmarks()));
   state_.world_from_camera = state_.world_from_anchor = state_.world_from_keyframe =
       start.world_from_camera;
   const auto set = [this](int first, int count, double sigma) {
@@ -105,13 +105,6 @@ bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
   innovation.H.add(Index::kTilt, by_tilt);
   innovation.H.add(Index::kRotation, skew(up).topRows<2>());
   return correct(innovation);
-}
-
-void FusionFilter::take_anchor() {
-  landmarks_.clear();
-  dropped_.clear();
-  state_.world_from_anchor = state_.world_from_camera;
-  clone_camera(Index::kAnchorRotation);
 }
 
 void FusionFilter::take_keyframe() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
 #include <span>
@@ -57,14 +58,19 @@ class FusionFilter {
   /// The height given at the start, and all metres with it, may be wrong by that share more.
   void doubt_height(double sigma_ratio);
 
-  /// Drops the landmarks: the camera, here, is the anchor of those to come.
+  /// The camera, here, is the anchor of landmarks to come. Of those at hand that are seen from here
+  /// the depth is kept; until they are numbered nothing is taken for them.
   void take_anchor();
+  /// Landmarks without a number are those features of the new reference that lie nearest, within
+  /// `most_beside` on z = 1; what finds none is dropped.
+  void number_landmarks(std::span<const FeatureView> reference, double most_beside);
   [[nodiscard]] FusionMap map() const;
   /// That map's anchor and landmarks instead of those at hand. What the camera has seen since it
   /// was left is taken to tell nothing of them.
   void restore(const FusionMap& map);
-  /// A feature of the reference frame, as the anchor sees it.
-  void add_landmark(const FeatureView& reference);
+  /// A feature of the reference frame, as the anchor sees it, and where it is seen now: from far
+  /// enough that tells its depth. Beyond `FusionConfig::landmarks` it is a spare one.
+  void add_landmark(const FeatureView& reference, const std::optional<Eigen::Vector2d>& seen = {});
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
   /// gives how many were not.
   int update_landmarks(std::span<const FeatureView> seen);
@@ -74,6 +80,9 @@ class FusionFilter {
   int update_ground(bool is_flat);
   /// Those that the gate has refused too often in a row.
   void drop_refused();
+  /// Those that no frame has shown for half a second; the spare ones alone where the others are to
+  /// be met again.
+  void drop_unseen(bool keep_first);
 
   [[nodiscard]] const FusionState& state() const { return state_; }
   [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
@@ -108,6 +117,7 @@ class FusionFilter {
   struct JointCorrection {
     Eigen::VectorXd error;
     Eigen::MatrixXd A_t;
+    std::optional<std::size_t> stray;  // of the views, one that contradicts the others
   };
   // below the anchor by its height, map units
   struct LowLandmark {
@@ -127,12 +137,18 @@ class FusionFilter {
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] std::optional<JointCorrection> joint_correction(
       const std::vector<LandmarkView>& views, const Eigen::Vector3d& turn) const;
-  bool correct_jointly(const std::vector<LandmarkView>& views);
+  [[nodiscard]] std::optional<JointCorrection> joint_correction(
+      const std::vector<LandmarkView>& views);
+  [[nodiscard]] std::optional<std::size_t> stray_among(const Eigen::LLT<Eigen::MatrixXd>& S,
+                                                       const Eigen::VectorXd& residual,
+                                                       double squared) const;
+  bool correct_jointly(std::vector<LandmarkView>& views);
   [[nodiscard]] int size() const;
   [[nodiscard]] static int column_of(std::size_t landmark) {
     return FusionIndex::kLandmarks + 3 * static_cast<int>(landmark);
   }
   void remove_landmark(std::size_t i);
+  void change_unit(double ratio);
   [[nodiscard]] std::vector<LowLandmark> landmarks_below() const;
   [[nodiscard]] static std::optional<double> ground_level(const std::vector<LowLandmark>& below);
   [[nodiscard]] SparseRows<1> height_row(const Landmark& landmark, int column, double factor) const;
@@ -141,6 +157,11 @@ class FusionFilter {
   [[nodiscard]] double height_below_anchor(const Landmark& landmark) const;
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
   [[nodiscard]] double guessed_inverse_depth(const Eigen::Vector2d& bearing) const;
+  [[nodiscard]] std::optional<double> triangulated_inverse_depth(const FeatureView& reference,
+                                                                 const Eigen::Vector2d& seen,
+                                                                 double guess) const;
+  [[nodiscard]] bool needs_guesses() const;
+  [[nodiscard]] int most_landmarks() const { return config_.landmarks * 3 / 2; }
   [[nodiscard]] Eigen::Matrix3d way_covariance() const;
   [[nodiscard]] Eigen::Matrix3d metric_covariance(int first, const Eigen::Vector3d& value) const;
 
@@ -149,6 +170,7 @@ class FusionFilter {
   Eigen::Vector3d start_in_world_;  // map units
   Eigen::Vector3d start_m_;
   bool is_height_given_;
+  bool is_first_map_ = true;  // its lengths are what the scale is of
   std::vector<Landmark> landmarks_;
   std::vector<int> dropped_;
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use

@@ -21,52 +21,72 @@ double FusionFilter::guessed_inverse_depth(const Eigen::Vector2d& bearing) const
   return std::max(down, kSteepness) / std::max(height(anchor.translation), 1e-3);
 }
 
-void FusionFilter::add_landmark(const FeatureView& reference) {
-  if (static_cast<int>(landmarks_.size()) >= config_.landmarks) return;
+// By the lines of sight b of the camera and m of the anchor, b x (R_ca m + rho t) = 0, where they
+// would have turned enough against each other, were it as near as is guessed, to tell how near it
+// is.
+std::optional<double> FusionFilter::triangulated_inverse_depth(const FeatureView& reference,
+                                                               const Eigen::Vector2d& seen,
+                                                               double guess) const {
+  constexpr double kParallax_rad = 0.03;
+  const RigidTransform camera_from_anchor =
+      state_.world_from_camera.inverse() * state_.world_from_anchor;
+  const Eigen::Vector3d b = seen.homogeneous().normalized();
+  const Eigen::Vector3d m = camera_from_anchor.rotation * reference.bearing.homogeneous();
+  const Eigen::Vector3d across = b.cross(camera_from_anchor.translation);
+  if (guess * across.norm() < kParallax_rad * m.norm()) return std::nullopt;
+  return -b.cross(m).dot(across) / across.squaredNorm();
+}
+
+// A depth that a view tells is known as well as that view will say. One that is guessed is wrong as
+// others are: of a first map that is its scale, but later ones must not tell what lengths are.
+void FusionFilter::add_landmark(const FeatureView& reference,
+                                const std::optional<Eigen::Vector2d>& seen) {
+  constexpr double kUntold_ratio = 3;
+  if (static_cast<int>(landmarks_.size()) >= most_landmarks()) return;
   const int column = size();
-  const double inverse_depth = guessed_inverse_depth(reference.bearing);
-  landmarks_.push_back(
-      {.feature = reference.feature, .bearing = reference.bearing, .inverse_depth = inverse_depth});
+  const int depth = column + 2;
+  const double guess = guessed_inverse_depth(reference.bearing);
+  std::optional<double> told;
+  if (seen) told = triangulated_inverse_depth(reference, *seen, guess);
+  if (!told && !needs_guesses()) return;
   P_.block(column, 0, 3, column + 3).setZero();
   P_.block(0, column, column, 3).setZero();
   P_.block<2, 2>(column, column) = reference.covariance;
-  P_(column + 2, column + 2) = square(config_.inverse_depth_sigma_ratio * inverse_depth);
+  const double sigma =
+      told ? kUntold_ratio * std::max(*told, guess) : config_.inverse_depth_sigma_ratio * guess;
+  P_(depth, depth) = square(sigma);
+  if (!told && !is_first_map_) {
+    P_(depth, depth) += square(sigma);
+    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+      if (!landmarks_[i].is_guess) continue;
+      const int other = column_of(i) + 2;
+      P_(other, depth) = P_(depth, other) =
+          sigma * config_.inverse_depth_sigma_ratio * landmarks_[i].inverse_depth;
+    }
+  }
+  const auto first = std::count_if(landmarks_.begin(), landmarks_.end(),
+                                   [](const Landmark& l) { return !l.is_spare; });
+  landmarks_.push_back({.feature = reference.feature,
+                        .bearing = reference.bearing,
+                        .inverse_depth = told ? *told : guess,
+                        .is_guess = !told,
+                        .is_spare = first >= config_.landmarks});
 }
 
-FusionMap FusionFilter::map() const {
-  const int landmarks = size() - Index::kLandmarks;
-  FusionMap map{state_.world_from_anchor, landmarks_, dropped_,
-                Eigen::MatrixXd(6 + landmarks, 6 + landmarks)};
-  map.covariance << P_.block<6, 6>(Index::kAnchorRotation, Index::kAnchorRotation),
-      P_.block(Index::kAnchorRotation, Index::kLandmarks, 6, landmarks),
-      P_.block(Index::kLandmarks, Index::kAnchorRotation, landmarks, 6),
-      P_.block(Index::kLandmarks, Index::kLandmarks, landmarks, landmarks);
-  return map;
-}
-
-void FusionFilter::restore(const FusionMap& map) {
-  state_.world_from_anchor = map.world_from_anchor;
-  landmarks_ = map.landmarks;
-  dropped_ = map.dropped;
-  for (Landmark& landmark : landmarks_) landmark.refused = 0;
-  const int n = size();
-  const int landmarks = n - Index::kLandmarks;
-  P_.block(Index::kAnchorRotation, 0, 6, n).setZero();
-  P_.block(0, Index::kAnchorRotation, n, 6).setZero();
-  P_.block(Index::kLandmarks, 0, landmarks, n).setZero();
-  P_.block(0, Index::kLandmarks, n, landmarks).setZero();
-  P_.block<6, 6>(Index::kAnchorRotation, Index::kAnchorRotation) =
-      map.covariance.topLeftCorner<6, 6>();
-  P_.block(Index::kAnchorRotation, Index::kLandmarks, 6, landmarks) =
-      map.covariance.topRightCorner(6, landmarks);
-  P_.block(Index::kLandmarks, Index::kAnchorRotation, landmarks, 6) =
-      map.covariance.bottomLeftCorner(landmarks, 6);
-  P_.block(Index::kLandmarks, Index::kLandmarks, landmarks, landmarks) =
-      map.covariance.bottomRightCorner(landmarks, landmarks);
+// Those of the map before carry the camera until views tell the new ones' depths.
+bool FusionFilter::needs_guesses() const {
+  const auto known = std::count_if(landmarks_.begin(), landmarks_.end(),
+                                   [](const Landmark& l) { return l.unseen == 0 && !l.is_guess; });
+  return is_first_map_ || known < config_.min_landmarks;
 }
 
 int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   std::vector<LandmarkView> views = landmark_views(seen);
+  for (Landmark& landmark : landmarks_) {
+    landmark.is_guess = false;
+    ++landmark.unseen;
+  }
+  for (const LandmarkView& view : views) landmarks_[view.landmark].unseen = 0;
   refuse_strays(views);
   if (views.empty() || !correct_jointly(views)) return 0;
   blame_strays(views);
@@ -142,6 +162,28 @@ void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
   });
 }
 
+// The view that is furthest from what all others and the prediction say of it, if that is beyond
+// the gate: with x = S^-1 r it is off by e_i = (S^-1)_ii^-1 x_i, of covariance (S^-1)_ii^-1. What
+// is near enough to a vague prediction may be far from what the others leave open. None is further
+// than all together are, `squared`.
+std::optional<std::size_t> FusionFilter::stray_among(const Eigen::LLT<Eigen::MatrixXd>& S,
+                                                     const Eigen::VectorXd& residual,
+                                                     double squared) const {
+  double most = 2 * square(config_.gate_sigma);
+  if (squared <= most) return std::nullopt;
+  const Eigen::MatrixXd inverse = S.solve(Eigen::MatrixXd::Identity(S.rows(), S.cols()));
+  const Eigen::VectorXd x = inverse * residual;
+  std::optional<std::size_t> stray;
+  for (Eigen::Index row = 0; row < x.size(); row += 2) {
+    const Eigen::Vector2d own = x.segment<2>(row);
+    const double off = own.dot(inverse.block<2, 2>(row, row).llt().solve(own));
+    if (off <= most) continue;
+    most = off;
+    stray = static_cast<std::size_t>(row / 2);
+  }
+  return stray;
+}
+
 // Of the prediction, by all views; the camera is turned by `turn` from it.
 std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
     const std::vector<LandmarkView>& views, const Eigen::Vector3d& turn) const {
@@ -170,8 +212,11 @@ std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
   }
   const Eigen::LLT<Eigen::MatrixXd> factor(S);
   if (factor.info() != Eigen::Success) return std::nullopt;
-  JointCorrection out{.error = {}, .A_t = factor.matrixL().solve(PHt.transpose())};
-  out.error = out.A_t.transpose() * factor.matrixL().solve(residual);
+  JointCorrection out{
+      .error = {}, .A_t = factor.matrixL().solve(PHt.transpose()), .stray = std::nullopt};
+  const Eigen::VectorXd whitened = factor.matrixL().solve(residual);
+  out.error = out.A_t.transpose() * whitened;
+  out.stray = stray_among(factor, residual, whitened.squaredNorm());
   if (!out.error.allFinite()) return std::nullopt;
   return out;
 }
@@ -179,7 +224,8 @@ std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
 // Together, so that no order matters. About the rotation that the views themselves tell, as without
 // a gyroscope the predicted one is a guess (Bell, Cathey 1993); but about the predicted way and
 // depths: of their product, where both are vague, a step of Gauss-Newton believes too much.
-bool FusionFilter::correct_jointly(const std::vector<LandmarkView>& views) {
+std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
+    const std::vector<LandmarkView>& views) {
   constexpr int kMostSteps = 4;
   constexpr double kSettled_rad = 1e-3;
   const Eigen::Quaterniond predicted = state_.world_from_camera.rotation;
@@ -194,6 +240,20 @@ bool FusionFilter::correct_jointly(const std::vector<LandmarkView>& views) {
     turn = next;
   }
   state_.world_from_camera.rotation = predicted;
+  return correction;
+}
+
+// Without those that contradict the rest, one by one; where half would have to go none is believed.
+bool FusionFilter::correct_jointly(std::vector<LandmarkView>& views) {
+  const std::size_t fewest = views.size() / 2;
+  std::optional<JointCorrection> correction = joint_correction(views);
+  while (correction && correction->stray) {
+    const auto stray = views.begin() + static_cast<std::ptrdiff_t>(*correction->stray);
+    ++landmarks_[stray->landmark].refused;
+    views.erase(stray);
+    if (views.size() <= fewest) return false;
+    correction = joint_correction(views);
+  }
   if (!correction) return false;
   take_off(correction->A_t);
   inject(correction->error);
@@ -205,6 +265,14 @@ void FusionFilter::drop_refused() {
     if (landmarks_[i].refused < kMostRefusals) continue;
     dropped_.push_back(landmarks_[i].feature);
     remove_landmark(i);
+  }
+}
+
+void FusionFilter::drop_unseen(bool keep_first) {
+  constexpr int kForgottenAfter = 15;
+  for (std::size_t i = landmarks_.size(); i-- > 0;) {
+    const bool is_kept = keep_first && !landmarks_[i].is_spare;
+    if (landmarks_[i].unseen >= kForgottenAfter && !is_kept) remove_landmark(i);
   }
 }
 

@@ -33,16 +33,22 @@ struct Landmark {
   int feature = 0;            ///< its number in the reference
   Eigen::Vector2d bearing;    ///< on z = 1 of the anchor
   double inverse_depth = 0;   ///< 1 / map units
+  bool is_guess = false;      ///< its depth, by no view yet
   bool is_on_ground = false;  ///< taken for it, once
   int refused = 0;            ///< times in a row that the gate refused it
+  int unseen = 0;             ///< frames in a row that had no view of it
+  bool is_spare = false;      ///< taken up because most others are out of view
 };
 
 /// A reference frame that was left, to be used again when it comes back into view.
 struct FusionMap {
+  Eigen::Vector2d gravity_tilt_rad = Eigen::Vector2d::Zero();
+  double log_scale = 0;  ///< lengths that go from map to map drift; these were this map's
+  double log_height = 0;
   RigidTransform world_from_anchor;
   std::vector<Landmark> landmarks;
   std::vector<int> dropped;    ///< features that were landmarks until they were refused too often
-  Eigen::MatrixXd covariance;  ///< (anchor's rotation, its position, landmarks)
+  Eigen::MatrixXd covariance;  ///< (tilt, scale, height, anchor's pose, landmarks)
 };
 
 /// Where the errors of FusionState begin in the error vector; then three a landmark (bearing,

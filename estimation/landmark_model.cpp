@@ -3,6 +3,8 @@
 namespace stillkite {
 namespace {
 
+constexpr double kNearest = 0.05;  // along the optical axis, of a direction
+
 // Of a landmark from the camera, world axes, as long as the distance to it from the anchor is in
 // inverse depths.
 struct SightLine {
@@ -38,7 +40,6 @@ std::optional<Innovation<2>> landmark_innovation(const FusionState& state, const
                                                  int column, const Eigen::Vector2d& seen,
                                                  const Eigen::Matrix2d& covariance) {
   using Index = FusionIndex;
-  constexpr double kNearest = 0.05;
   const SightLine line = sight_line(state, landmark);
   if (!(line.in_camera.z() > kNearest)) return std::nullopt;
   const Eigen::Matrix<double, 2, 3> J = view_by_direction(state, line);
@@ -52,6 +53,30 @@ std::optional<Innovation<2>> landmark_innovation(const FusionState& state, const
   innovation.H.add(Index::kAnchorPosition, landmark.inverse_depth * J);
   innovation.H.add(column, J * of_landmark);
   return innovation;
+}
+
+std::optional<LandmarkFromCamera> landmark_from_camera(const FusionState& state,
+                                                       const Landmark& landmark, int column) {
+  using Index = FusionIndex;
+  const SightLine line = sight_line(state, landmark);
+  const double z = line.in_camera.z();
+  if (!(z > kNearest)) return std::nullopt;
+  const Eigen::RowVector3d ahead =
+      state.world_from_camera.rotation.toRotationMatrix().col(2).transpose();
+  const double inverse_depth = landmark.inverse_depth / z;
+  // d(rho / z) = d(rho) / z - rho / z^2 d(z)
+  const Eigen::RowVector3d J = -inverse_depth / z * ahead;
+  Eigen::RowVector3d of_landmark;
+  of_landmark << J * state.world_from_anchor.rotation.toRotationMatrix().leftCols<2>(),
+      J * line.to_anchor + 1 / z;
+  LandmarkFromCamera out{
+      .bearing = line.in_camera.hnormalized(), .inverse_depth = inverse_depth, .by_error = {}};
+  out.by_error.add(Index::kRotation, J * skew(line.direction));
+  out.by_error.add(Index::kPosition, -landmark.inverse_depth * J);
+  out.by_error.add(Index::kAnchorRotation, -J * skew(line.beside));
+  out.by_error.add(Index::kAnchorPosition, landmark.inverse_depth * J);
+  out.by_error.add(column, of_landmark);
+  return out;
 }
 
 Eigen::Matrix2d product_covariance(const FusionState& state, const Landmark& landmark,

@@ -23,6 +23,19 @@ namespace stillkite {
                                                                const Eigen::Vector2d& seen,
                                                                const Eigen::Matrix2d& covariance);
 
+/// A landmark as it would be if the camera were its anchor.
+struct LandmarkFromCamera {
+  Eigen::Vector2d bearing;
+  double inverse_depth = 0;
+  SparseRows<1> by_error;  ///< d(inverse depth) / d(error)
+};
+
+/// With Y as above, its inverse depth from the camera is inverse_depth / Y_z. Nothing where it is
+/// not in front of the camera.
+[[nodiscard]] std::optional<LandmarkFromCamera> landmark_from_camera(const FusionState& state,
+                                                                     const Landmark& landmark,
+                                                                     int column);
+
 /// Covariance, on z = 1, of what the linear update leaves out of a view: the product of the errors
 /// of the way p_a - p (map units, world axes) and of the inverse depth.
 [[nodiscard]] Eigen::Matrix2d product_covariance(const FusionState& state, const Landmark& landmark,

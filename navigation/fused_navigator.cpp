@@ -44,6 +44,12 @@ FusionConfig fusion_of(const NavigatorConfig& navigator, const InitialState& ini
   return config;
 }
 
+NavigatorConfig with_earlier_references(NavigatorConfig config) {
+  double& ratio = config.reference.renew_below_ratio;
+  ratio = std::max(ratio, config.fusion.renew_below_ratio);
+  return config;
+}
+
 FusionStart start_of(const InitialState& initial, const RigidTransform& body_from_camera) {
   constexpr double kAnyHeight_log = 1.5;  // a factor of 4.5
   return {.world_from_camera = initial.world_from_body * body_from_camera,
@@ -62,8 +68,9 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
       sensors_(config.sensors),
       scale_(initial.scale == ScaleSource::none ? ScaleSource::imu : initial.scale),
       flow_(camera, body_from_camera, config, initial),
-      reference_(camera, body_from_camera, config, initial, mode),
+      reference_(camera, body_from_camera, with_earlier_references(config), initial, mode),
       flow_from_camera_(initial.world_from_body * body_from_camera),
+      landmarks_(config_, camera.focal_x_px),
       filter_(fusion_of(config, initial), start_of(initial, body_from_camera)),
       home_(filter_.map()),
       is_ground_flat_(config.fusion.flat_ground) {}
@@ -84,7 +91,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   take_readings(readings, frame.stamp);
   // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
   flow_from_camera_ = flow_from_camera;
-  if (flow.verdict == Verdict::ok) judge_ground();
+  if (flow.verdict == Verdict::ok) judge_ground(reference.reference->is_home);
   const bool flow_taken = is_ground_flat_ && see_ground();
   if (reference.reference->is_back) filter_.restore(home_);
   const bool landmarks_taken = !interval.spoiled && see_landmarks(reference.reference->is_home);
@@ -200,8 +207,9 @@ InertialStep FusedNavigator::uncovered_step(const SensorReadings& readings, doub
 }
 
 // The flow takes what it sees for flat and level. Where its own motion does not take the features
-// to where they are, what it sees has depth, and its metres are wrong ones.
-void FusedNavigator::judge_ground() {
+// to where they are, what it sees has depth, and its metres are wrong ones. What looks flat
+// elsewhere than at the start may lie on another level.
+void FusedNavigator::judge_ground(bool is_home) {
   if (config_.flat_ground) return;
   constexpr double kMostMisfit = 0.2;
   constexpr int kInARow = 5;
@@ -211,7 +219,7 @@ void FusedNavigator::judge_ground() {
       ground_misfit(reference_.bearings().pairs, flow_from_camera_.inverse() * flow_from_anchor_,
                     ground.normal_in_camera, ground.height_m, kShift_px / camera_.focal_x_px);
   if (!misfit) return;
-  const bool looks_flat = *misfit <= kMostMisfit;
+  const bool looks_flat = *misfit <= kMostMisfit && (is_home || is_ground_flat_);
   contrary_ = looks_flat == is_ground_flat_ ? 0 : contrary_ + 1;
   if (contrary_ < kInARow) return;
   is_ground_flat_ = looks_flat;
@@ -226,53 +234,13 @@ bool FusedNavigator::see_ground() {
 }
 
 bool FusedNavigator::see_landmarks(bool is_home) {
-  choose_landmarks();
   const FeatureBearings& bearings = reference_.bearings();
-  const std::vector<unsigned char>& inliers = reference_.inliers();
-  std::vector<FeatureView> seen;
-  seen.reserve(bearings.pairs.size());
-  for (std::size_t i = 0; i < std::min(bearings.pairs.size(), inliers.size()); ++i) {
-    if (inliers[i] == 0) continue;
-    seen.push_back({.feature = static_cast<int>(bearings.feature_of_pair[i]),
-                    .bearing = bearings.pairs[i].current,
-                    .covariance = feature_covariance(i)});
-  }
-  const int taken = filter_.update_landmarks(seen);
+  landmarks_.choose(filter_, bearings, reference_.inliers(), is_home);
+  const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
   filter_.drop_refused();
   // under a later reference the lowest level may be another than the start's
   if (is_ground_flat_ || is_home) filter_.update_ground(is_ground_flat_);
   return taken >= config_.min_landmarks;
-}
-
-// On z = 1.
-Eigen::Matrix2d FusedNavigator::feature_covariance(std::size_t pair) const {
-  constexpr double kUntold_px = 0.1;
-  const std::vector<Eigen::Matrix2d>& told = reference_.bearings().covariance;
-  const double one_px = 1 / camera_.focal_x_px;
-  const Eigen::Matrix2d noise =
-      told.empty() ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
-                   : told[pair];
-  return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
-         square(config_.pixel_noise_ratio) * noise;
-}
-
-void FusedNavigator::choose_landmarks() {
-  const FeatureBearings& bearings = reference_.bearings();
-  std::vector<Eigen::Vector2d> at_hand;
-  at_hand.reserve(filter_.landmarks().size());
-  for (const Landmark& landmark : filter_.landmarks()) at_hand.push_back(landmark.bearing);
-  std::vector<unsigned char> usable = reference_.inliers();
-  const std::vector<int>& dropped = filter_.dropped();
-  for (std::size_t i = 0; i < std::min(usable.size(), bearings.pairs.size()); ++i) {
-    const int feature = static_cast<int>(bearings.feature_of_pair[i]);
-    if (std::find(dropped.begin(), dropped.end(), feature) != dropped.end()) usable[i] = 0;
-  }
-  const auto lacking = static_cast<std::size_t>(config_.landmarks) - at_hand.size();
-  for (const std::size_t i : spread_pairs(bearings.pairs, usable, at_hand, lacking)) {
-    filter_.add_landmark({.feature = static_cast<int>(bearings.feature_of_pair[i]),
-                          .bearing = bearings.pairs[i].reference,
-                          .covariance = feature_covariance(i)});
-  }
 }
 
 NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) const {

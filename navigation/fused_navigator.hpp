@@ -6,6 +6,7 @@
 #include "estimation/fusion_filter.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/keyframe_navigator.hpp"
+#include "navigation/landmark_choice.hpp"
 #include "navigation/reference_navigator.hpp"
 
 namespace stillkite {
@@ -31,12 +32,10 @@ class FusedNavigator {
                                             const NavigationEstimate& reference) const;
   void take_rate(const NavigationEstimate& estimate);
   void take_readings(const SensorReadings& readings, Timestamp now);
-  void judge_ground();
+  void judge_ground(bool is_home);
   [[nodiscard]] bool see_ground();
   [[nodiscard]] bool see_landmarks(bool is_home);
-  void choose_landmarks();
   [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;
-  [[nodiscard]] Eigen::Matrix2d feature_covariance(std::size_t pair) const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 
   Camera camera_;
@@ -49,6 +48,7 @@ class FusedNavigator {
   // in the flow's own world
   RigidTransform flow_from_camera_;
   RigidTransform flow_from_anchor_;  // at the reference frame
+  LandmarkChoice landmarks_;
   FusionFilter filter_;
   FusionMap home_;         // as it was when the first reference was left
   Timestamp scale_stamp_;  // when the metres were last told

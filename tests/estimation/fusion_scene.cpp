@@ -34,19 +34,21 @@ FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig&
   accel_bias_ = config.accel_bias_sigma_m_s2 * normal3();
   height_error_log_ = config.height_sigma_ratio * normal();
   filter_.take_anchor();
-  const RigidTransform start = truth_at(0).world_from_camera;
-  for (int i = 0; i < config.landmarks; ++i) {
-    const Eigen::Vector2d bearing(0.8 * uniform(engine_), 0.5 * uniform(engine_));
-    // the filter's guess of a place, which the truth is off from by as much as the filter is told
-    const double noise = scene.pixel_sigma_px / scene.focal_px;
-    filter_.add_landmark({i, bearing + noise * Eigen::Vector2d(normal(), normal()),
-                          noise * noise * Eigen::Matrix2d::Identity()});
-    const double guess = filter_.landmarks().back().inverse_depth;
-    const double inverse_depth = std::max(0.1, 1 + config.inverse_depth_sigma_ratio * normal()) *
-                                 guess * std::exp(-scene.scale_error_log);
-    if (i == 0) first_bearing_ = bearing;
-    points_.emplace_back(start * (bearing.homogeneous() / inverse_depth));
-  }
+  for (int i = 0; i < config.landmarks; ++i) points_.push_back(add_point(i, scene.scale_error_log));
+  first_bearing_ = (truth_at(0).world_from_camera.inverse() * points_[0]).hnormalized();
+}
+
+// Of the filter's guess of a place the truth is off by as much as the filter is told.
+Eigen::Vector3d FusionSimulation::add_point(int feature, double error_log) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Eigen::Vector2d bearing(0.8 * uniform(engine_), 0.5 * uniform(engine_));
+  const double noise = scene_.pixel_sigma_px / scene_.focal_px;
+  filter_.add_landmark({feature, bearing + noise * Eigen::Vector2d(normal(), normal()),
+                        noise * noise * Eigen::Matrix2d::Identity()});
+  const double guess = filter_.landmarks().back().inverse_depth;
+  const double inverse_depth = std::max(0.1, 1 + config_.inverse_depth_sigma_ratio * normal()) *
+                               guess * std::exp(-error_log);
+  return truth().world_from_camera * (bearing.homogeneous() / inverse_depth);
 }
 
 FusionTruth FusionSimulation::truth_at(double t_s) const {
@@ -63,6 +65,9 @@ FusionTruth FusionSimulation::truth_at(double t_s) const {
     truth.acceleration_in_world_m_s2[i] = amplitude * w * w * std::cos(w * t_s);
     turn[i] = scene_.turn_rad * std::sin((0.9 + 0.2 * i) * t_s) * std::cos(turn_phase_[i]);
   }
+  way.y() += 0.5 * scene_.drift_m_s2 * t_s * t_s;
+  truth.velocity_in_world_m_s.y() += scene_.drift_m_s2 * t_s;
+  truth.acceleration_in_world_m_s2.y() += scene_.drift_m_s2;
   truth.world_from_camera = {so3_exp(turn) * start.rotation, start.translation + way};
   return truth;
 }
@@ -90,21 +95,39 @@ void FusionSimulation::step() {
     }
     filter_.predict(step);
   }
-  const FusionTruth now = truth();
-  const RigidTransform camera_from_world = now.world_from_camera.inverse();
   if (scene_.has_flow) see_ground();
   if (!scene_.has_landmarks) return;
+  filter_.update_landmarks(landmark_views());
+  filter_.drop_refused();
+  if (scene_.renew_every_s > 0 && time_s_ - anchor_s_ >= scene_.renew_every_s) renew_anchor();
+}
+
+// With noise of their own: where a feature is in the reference is seen once.
+void FusionSimulation::renew_anchor() {
+  constexpr double kSamePoint_px = 3;
+  anchor_s_ = time_s_;
+  filter_.take_anchor();
+  std::vector<FeatureView> features = landmark_views();
+  features.erase(features.begin(), features.begin() + scene_.renewed);
+  filter_.number_landmarks(features, kSamePoint_px / scene_.focal_px);
+  for (int i = 0; i < scene_.renewed; ++i) {
+    points_[static_cast<std::size_t>(i)] = add_point(i, scene_.renewed_error_log);
+  }
+}
+
+std::vector<FeatureView> FusionSimulation::landmark_views() {
+  const RigidTransform camera_from_world = truth().world_from_camera.inverse();
   std::vector<FeatureView> seen;
   const double sigma = scene_.pixel_sigma_px / scene_.focal_px;
   const double noise = scene_.true_noise_ratio * sigma;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     Eigen::Vector2d bearing = (camera_from_world * points_[i]).hnormalized();
     if (i == 0 && scene_.first_moves_backwards) bearing = 2 * first_bearing_ - bearing;
+    if (i == 0) bearing.x() += first_shift_px_ / scene_.focal_px;
     seen.push_back({static_cast<int>(i), bearing + noise * Eigen::Vector2d(normal(), normal()),
                     sigma * sigma * Eigen::Matrix2d::Identity()});
   }
-  filter_.update_landmarks(seen);
-  filter_.drop_refused();
+  return seen;
 }
 
 // As from a keyframe that is replaced now and then, its height off by what the start's is.

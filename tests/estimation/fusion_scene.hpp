@@ -24,6 +24,10 @@ struct FusionScene {
   bool has_imu = true;
   bool has_flow = false;
   bool has_landmarks = true;
+  double drift_m_s2 = 0;         ///< along the world's y, beside the sway
+  double renew_every_s = 0;      ///< a new anchor, with the landmarks that are in view; 0: never
+  int renewed = 0;               ///< of them other points then, guessed anew
+  double renewed_error_log = 0;  ///< those guesses are off by that, all alike
 };
 
 /// Exact pose and its derivatives at a time.
@@ -44,6 +48,9 @@ class FusionSimulation {
   /// No landmark is in view any more, or they are again.
   void cover(bool is_covered) { scene_.has_landmarks = !is_covered; }
 
+  /// From now on landmark 0 is seen so far beside where it is.
+  void shift_first(double shift_px) { first_shift_px_ = shift_px; }
+
   [[nodiscard]] const FusionFilter& filter() const { return filter_; }
   [[nodiscard]] FusionFilter& filter() { return filter_; }
   [[nodiscard]] FusionTruth truth() const { return truth_at(time_s_); }
@@ -54,6 +61,9 @@ class FusionSimulation {
  private:
   [[nodiscard]] FusionTruth truth_at(double t_s) const;
   void see_ground();
+  [[nodiscard]] std::vector<FeatureView> landmark_views();
+  void renew_anchor();
+  Eigen::Vector3d add_point(int feature, double error_log);
   [[nodiscard]] double normal() { return normal_(engine_); }
   [[nodiscard]] Eigen::Vector3d normal3() { return {normal(), normal(), normal()}; }
 
@@ -63,11 +73,13 @@ class FusionSimulation {
   std::normal_distribution<double> normal_;
   double time_s_ = 0;
   double keyframe_s_ = 0;
+  double anchor_s_ = 0;
   Eigen::Vector3d sway_phase_, turn_phase_;
   Eigen::Vector3d gyro_bias_, accel_bias_;
   double height_error_log_ = 0;
   std::vector<Eigen::Vector3d> points_;
   Eigen::Vector2d first_bearing_;
+  double first_shift_px_ = 0;
   FusionFilter filter_;
 };
 

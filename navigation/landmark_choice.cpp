@@ -1,0 +1,78 @@
+#include "navigation/landmark_choice.hpp"
+
+#include <algorithm>
+
+namespace stillkite {
+
+std::vector<FeatureView> LandmarkChoice::views(const FeatureBearings& bearings,
+                                               const std::vector<unsigned char>& inliers) const {
+  std::vector<FeatureView> seen;
+  seen.reserve(bearings.pairs.size());
+  for (std::size_t i = 0; i < std::min(bearings.pairs.size(), inliers.size()); ++i) {
+    if (inliers[i] == 0) continue;
+    seen.push_back({.feature = static_cast<int>(bearings.feature_of_pair[i]),
+                    .bearing = bearings.pairs[i].current,
+                    .covariance = covariance(bearings, i)});
+  }
+  return seen;
+}
+
+void LandmarkChoice::choose(FusionFilter& filter, const FeatureBearings& bearings,
+                            const std::vector<unsigned char>& inliers, bool is_home) const {
+  if (!bearings.pairs.empty()) number(filter, bearings);
+  std::vector<unsigned char> usable = inliers;
+  const std::vector<int>& dropped = filter.dropped();
+  for (std::size_t i = 0; i < std::min(usable.size(), bearings.pairs.size()); ++i) {
+    const int feature = static_cast<int>(bearings.feature_of_pair[i]);
+    if (std::find(dropped.begin(), dropped.end(), feature) != dropped.end()) usable[i] = 0;
+  }
+  if (std::find(usable.begin(), usable.end(), 1) == usable.end()) return;
+  const auto count = static_cast<std::size_t>(lacking(filter, is_home));
+  std::vector<Eigen::Vector2d> at_hand;
+  at_hand.reserve(filter.landmarks().size());
+  for (const Landmark& landmark : filter.landmarks()) at_hand.push_back(landmark.bearing);
+  for (const std::size_t i : spread_pairs(bearings.pairs, usable, at_hand, count)) {
+    filter.add_landmark(in_reference(bearings, i), bearings.pairs[i].current);
+  }
+}
+
+// What is followed from one reference into the next is there to a pixel: windows lie on whole ones.
+void LandmarkChoice::number(FusionFilter& filter, const FeatureBearings& bearings) const {
+  constexpr double kSamePoint_px = 1;
+  std::vector<FeatureView> reference;
+  reference.reserve(bearings.pairs.size());
+  for (std::size_t i = 0; i < bearings.pairs.size(); ++i) {
+    reference.push_back(in_reference(bearings, i));
+  }
+  filter.number_landmarks(reference, kSamePoint_px / focal_px_);
+}
+
+int LandmarkChoice::lacking(FusionFilter& filter, bool is_home) const {
+  const std::vector<Landmark>& landmarks = filter.landmarks();
+  const auto in_view = static_cast<int>(std::count_if(
+      landmarks.begin(), landmarks.end(), [](const Landmark& l) { return l.unseen == 0; }));
+  const int enough = config_.landmarks / 2;
+  if (in_view < enough) filter.drop_unseen(is_home);
+  return std::max({0, config_.landmarks - static_cast<int>(landmarks.size()), enough - in_view});
+}
+
+FeatureView LandmarkChoice::in_reference(const FeatureBearings& bearings, std::size_t pair) const {
+  return {.feature = static_cast<int>(bearings.feature_of_pair[pair]),
+          .bearing = bearings.pairs[pair].reference,
+          .covariance = covariance(bearings, pair)};
+}
+
+// On z = 1.
+Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings,
+                                           std::size_t pair) const {
+  constexpr double kUntold_px = 0.1;
+  const double one_px = 1 / focal_px_;
+  const Eigen::Matrix2d noise =
+      bearings.covariance.empty()
+          ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
+          : bearings.covariance[pair];
+  return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
+         square(config_.pixel_noise_ratio) * noise;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "estimation/fusion_filter.hpp"
+#include "navigation/feature_bearings.hpp"
+
+namespace stillkite {
+
+/// Which of the reference's features are the fusion's landmarks, and how well each is seen.
+class LandmarkChoice {
+ public:
+  LandmarkChoice(const FusionConfig& config, double focal_px)
+      : config_(config), focal_px_(focal_px) {}
+
+  /// Those of the reference before go on under this one's numbers, and others are added where too
+  /// few are in view. At home, which will be met again, none that is out of view makes way.
+  void choose(FusionFilter& filter, const FeatureBearings& bearings,
+              const std::vector<unsigned char>& inliers, bool is_home) const;
+  /// The inliers, where they are seen now.
+  [[nodiscard]] std::vector<FeatureView> views(const FeatureBearings& bearings,
+                                               const std::vector<unsigned char>& inliers) const;
+
+ private:
+  void number(FusionFilter& filter, const FeatureBearings& bearings) const;
+  [[nodiscard]] int lacking(FusionFilter& filter, bool is_home) const;
+  [[nodiscard]] FeatureView in_reference(const FeatureBearings& bearings, std::size_t pair) const;
+  [[nodiscard]] Eigen::Matrix2d covariance(const FeatureBearings& bearings, std::size_t pair) const;
+
+  FusionConfig config_;
+  double focal_px_;
+};
+
+}  // namespace stillkite
