@@ -14,51 +14,57 @@ constexpr int kMapSize = Index::kKeyframeRotation - Index::kTilt;
 
 }  // namespace
 
-// A landmark that stays in view is the same point: with its depth all that the lengths of the old
-// map are known by goes over into the new one.
-void FusionFilter::take_anchor() {
+// Of what is in view, with all that the depths share with the state and with each other.
+FusionFilter::InheritedDepths FusionFilter::depths_from_camera() const {
   constexpr double kKnown = 0.25;         // a depth to that share; a new guess is as good
   constexpr double kRelief_share = 0.01;  // of depth, between the old feature and the new
   const int n = size();
-  // 1. The depths from here, with all that they share with the rest.
-  std::vector<Landmark> kept;
+  InheritedDepths out{.landmarks = {}, .with_state = Eigen::MatrixXd(n, landmarks_.size())};
   std::vector<SparseRows<1>> rows;
-  Eigen::MatrixXd with_all(n, landmarks_.size());
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     if (landmarks_[i].unseen > 0 || landmarks_[i].refused > 0) continue;
     const auto view = landmark_from_camera(state_, landmarks_[i], column_of(i));
     if (!view || !(view->inverse_depth > 0)) continue;
-    const Eigen::VectorXd with_this = view->by_error.times_transposed(P_, n);
-    const double variance = view->by_error.times(with_this)(0, 0);
+    const Eigen::VectorXd with_state = view->by_error.times_transposed(P_, n);
+    const double variance = view->by_error.times(with_state)(0, 0);
     if (!(variance < square(kKnown * view->inverse_depth))) continue;
-    with_all.col(static_cast<Eigen::Index>(kept.size())) = with_this;
+    out.with_state.col(static_cast<Eigen::Index>(rows.size())) = with_state;
     rows.push_back(view->by_error);
-    kept.push_back({.feature = kUnnumbered,
-                    .bearing = view->bearing,
-                    .inverse_depth = view->inverse_depth,
-                    .is_on_ground = landmarks_[i].is_on_ground});
+    out.landmarks.push_back({.feature = kUnnumbered,
+                             .bearing = view->bearing,
+                             .inverse_depth = view->inverse_depth,
+                             .is_on_ground = landmarks_[i].is_on_ground});
   }
-  const auto count = static_cast<Eigen::Index>(kept.size());
-  with_all.conservativeResize(n, count);
-  Eigen::MatrixXd depths(count, count);
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  out.with_state.conservativeResize(n, count);
+  out.covariance.resize(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    depths.row(i) = rows[static_cast<std::size_t>(i)].times(with_all);
+    const auto k = static_cast<std::size_t>(i);
+    out.covariance.row(i) = rows[k].times(out.with_state);
+    out.covariance(i, i) += square(kRelief_share * out.landmarks[k].inverse_depth);
   }
+  return out;
+}
+
+// A landmark that stays in view is the same point: with its depth all that the lengths of the old
+// map are known by goes over into the new one. Nothing else is left of it.
+void FusionFilter::take_anchor() {
+  const InheritedDepths kept = depths_from_camera();
   if (!landmarks_.empty()) is_first_map_ = false;
-  // 2. Nothing else is left of the old map.
-  landmarks_ = kept;
+  landmarks_ = kept.landmarks;
   dropped_.clear();
   state_.world_from_anchor = state_.world_from_camera;
-  P_.block(0, Index::kLandmarks, size(), size() - Index::kLandmarks).setZero();
-  P_.block(Index::kLandmarks, 0, size() - Index::kLandmarks, size()).setZero();
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const int depth = column_of(static_cast<std::size_t>(i)) + 2;
-    P_.col(depth).head<Index::kLandmarks>() = with_all.col(i).head<Index::kLandmarks>();
-    P_.row(depth).head<Index::kLandmarks>() = with_all.col(i).head<Index::kLandmarks>();
-    for (Eigen::Index j = 0; j < count; ++j) {
-      P_(column_of(static_cast<std::size_t>(j)) + 2, depth) = depths(j, i);
+  const int n = size();
+  P_.block(0, Index::kLandmarks, n, n - Index::kLandmarks).setZero();
+  P_.block(Index::kLandmarks, 0, n - Index::kLandmarks, n).setZero();
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+    const int depth = column_of(i) + 2;
+    const auto k = static_cast<Eigen::Index>(i);
+    P_.col(depth).head<Index::kLandmarks>() = kept.with_state.col(k).head<Index::kLandmarks>();
+    P_.row(depth).head<Index::kLandmarks>() = kept.with_state.col(k).head<Index::kLandmarks>();
+    for (std::size_t j = 0; j < landmarks_.size(); ++j) {
+      P_(column_of(j) + 2, depth) = kept.covariance(static_cast<Eigen::Index>(j), k);
     }
-    P_(depth, depth) += square(kRelief_share * kept[static_cast<std::size_t>(i)].inverse_depth);
   }
   clone_camera(Index::kAnchorRotation);
 }

@@ -126,6 +126,14 @@ class FusionFilter {
     double sigma_ratio = 0;  // against the one that is known best, as a share
     [[nodiscard]] bool is_known() const { return sigma_ratio <= 0.03; }
   };
+  // landmarks as they would be with the camera for their anchor, and their inverse depths'
+  // covariances with the state and with each other
+  struct InheritedDepths {
+    std::vector<Landmark> landmarks;
+    Eigen::MatrixXd with_state;
+    Eigen::MatrixXd covariance;
+  };
+  [[nodiscard]] InheritedDepths depths_from_camera() const;
   void propagate(const Transition& F, const Matrix9d& noise, double dt_s);
   template <int kRows>
   bool correct(const Innovation<kRows>& innovation);
