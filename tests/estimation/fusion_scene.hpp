@@ -30,6 +30,13 @@ struct FusionScene {
   double renewed_error_log = 0;  ///< those guesses are off by that, all alike
 };
 
+/// The filter's defaults with ten landmarks, which is quicker.
+[[nodiscard]] inline FusionConfig few_landmarks() {
+  FusionConfig config;
+  config.landmarks = 10;
+  return config;
+}
+
 /// Exact pose and its derivatives at a time.
 struct FusionTruth {
   RigidTransform world_from_camera;

@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "estimation/fusion_filter.hpp"
+#include "tests/estimation/fusion_scene.hpp"
+
+namespace stillkite {
+namespace {
+
+// A new anchor is the camera with all its doubt: nothing is known better, nothing worse.
+TEST(FusionFilter, ANewAnchorKeepsThePoseAndItsCovariance) {
+  FusionSimulation flight(FusionScene{}, FusionConfig{}, 6);
+  for (int i = 0; i < 60; ++i) flight.step();
+  const Matrix6d before = flight.filter().pose_covariance();
+  flight.filter().take_anchor();
+  EXPECT_LT((flight.filter().pose_covariance() - before).norm(), 1e-15);
+}
+
+// The same points from elsewhere: their depth is theirs, and known as well as before.
+TEST(FusionFilter, ANewAnchorKeepsTheDepthsOfWhatIsInView) {
+  FusionScene scene;
+  scene.renew_every_s = 2;
+  FusionSimulation flight(scene, few_landmarks(), 6);
+  for (int i = 0; i < 59; ++i) flight.step();
+  const std::vector<Landmark> before = flight.filter().landmarks();
+  const RigidTransform first = flight.filter().state().world_from_anchor;
+  const double scale_sigma = flight.filter().scale_sigma();
+  for (int i = 0; i < 3; ++i) flight.step();
+  const std::vector<Landmark>& after = flight.filter().landmarks();
+  ASSERT_GE(after.size(), 8u);
+  const RigidTransform anchor = flight.filter().state().world_from_anchor;
+  EXPECT_GT((anchor.translation - first.translation).norm(), 0.1) << "it has not moved";
+  for (const Landmark& landmark : after) {
+    const auto same = std::find_if(before.begin(), before.end(), [&](const Landmark& l) {
+      return l.feature == landmark.feature;
+    });
+    ASSERT_NE(same, before.end());
+    const Eigen::Vector3d place = first * (same->bearing.homogeneous() / same->inverse_depth);
+    const double inverse_depth = 1 / (anchor.inverse() * place).z();
+    EXPECT_NEAR(landmark.inverse_depth / inverse_depth, 1, 0.05) << landmark.feature;
+  }
+  EXPECT_LT(flight.filter().scale_sigma(), 1.05 * scale_sigma);
+}
+
+// Landmarks without a feature near them are no more.
+TEST(FusionFilter, ALandmarkThatIsNotInTheNewReferenceIsDropped) {
+  FusionSimulation flight(FusionScene{}, few_landmarks(), 6);
+  for (int i = 0; i < 60; ++i) flight.step();
+  flight.filter().take_anchor();
+  ASSERT_GE(flight.filter().landmarks().size(), 8u);
+  const Landmark kept = flight.filter().landmarks()[2];
+  const Eigen::Vector2d beside = kept.bearing + Eigen::Vector2d(1e-3, 0);
+  flight.filter().number_landmarks(
+      std::vector<FeatureView>{
+          {40, beside, 1e-6 * Eigen::Matrix2d::Identity()},
+          {41, kept.bearing + Eigen::Vector2d(0.5, 0.5), 1e-6 * Eigen::Matrix2d::Identity()}},
+      5e-3);
+  ASSERT_EQ(flight.filter().landmarks().size(), 1u);
+  EXPECT_EQ(flight.filter().landmarks()[0].feature, 40);
+  EXPECT_EQ(flight.filter().landmarks()[0].bearing, beside);
+  EXPECT_EQ(flight.filter().landmarks()[0].inverse_depth, kept.inverse_depth);
+}
+
+// Anchor, landmarks and what is known of them, whatever came between.
+TEST(FusionFilter, ARestoredMapIsTheOneThatWasLeft) {
+  FusionSimulation flight(FusionScene{}, FusionConfig{}, 10);
+  for (int i = 0; i < 30; ++i) flight.step();
+  flight.filter().take_anchor();  // the first one is exact
+  flight.filter().number_landmarks({}, 0);
+  flight.filter().add_landmark({7, {0.1, -0.2}, 1e-6 * Eigen::Matrix2d::Identity()});
+  flight.cover(true);
+  const FusionMap left = flight.filter().map();
+  for (int i = 0; i < 30; ++i) flight.step();
+  flight.filter().take_anchor();
+  flight.filter().restore(left);
+  const FusionMap back = flight.filter().map();
+  EXPECT_EQ(back.covariance, left.covariance);
+  EXPECT_GT(back.covariance.topLeftCorner(6, 6).trace(), 0);
+  EXPECT_EQ(back.world_from_anchor.translation, left.world_from_anchor.translation);
+  ASSERT_EQ(back.landmarks.size(), 1u);
+  EXPECT_EQ(back.landmarks[0].feature, 7);
+}
+
+}  // namespace
+}  // namespace stillkite

@@ -1,0 +1,144 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "estimation/fusion_filter.hpp"
+#include "tests/estimation/fusion_scene.hpp"
+
+namespace stillkite {
+namespace {
+
+// e^T P^-1 e of the pose, averaged over seeds, second by second: 6 when honest.
+std::array<double, 10> nees_by_second(const FusionScene& scene, const FusionConfig& config,
+                                      int seeds = 60) {
+  std::array<double, 10> mean{};
+  for (int seed = 0; seed < seeds; ++seed) {
+    FusionSimulation flight(scene, config, static_cast<std::uint64_t>(seed) + 100);
+    for (double& second : mean) {
+      for (int i = 0; i < 30; ++i) flight.step();
+      const Vector6d error = flight.pose_error();
+      second += error.dot(flight.filter().pose_covariance().ldlt().solve(error)) / seeds;
+    }
+  }
+  std::printf("NEES, s 1 to 10:");
+  for (const double second : mean) std::printf(" %.2f", second);
+  std::printf("\n");
+  return mean;
+}
+
+// 99 % band of the mean of 60 chi-square variables of 6 degrees of freedom
+constexpr double kLow = 4.92;
+constexpr double kHigh = 7.22;
+
+double most(const std::array<double, 10>& nees) {
+  return *std::max_element(nees.begin(), nees.end());
+}
+
+int outside_the_band(const std::array<double, 10>& nees) {
+  return static_cast<int>(
+      std::count_if(nees.begin(), nees.end(), [](double x) { return x < kLow || x > kHigh; }));
+}
+
+// Too careful by a third the filter may be in the first seconds: `depth_correlated_frames`.
+void expect_not_too_sure(const std::array<double, 10>& nees) {
+  EXPECT_LE(std::count_if(nees.begin(), nees.end(), [](double x) { return x > kHigh; }), 1);
+  EXPECT_GT(*std::min_element(nees.begin(), nees.end()), 0.6 * kLow);
+}
+
+// Seen for 3 s, left for 5 s of inertia alone, and found again: the place is known as before.
+TEST(FusionFilter, ARestoredMapTellsThePlaceAndAnHonestCovariance) {
+  constexpr int kSeeds = 60;
+  double left_m = 0;
+  double back_m = 0;
+  double nees = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    FusionSimulation flight(FusionScene{}, few_landmarks(), static_cast<std::uint64_t>(seed) + 500);
+    for (int i = 0; i < 90; ++i) flight.step();
+    const FusionMap home = flight.filter().map();
+    flight.filter().take_anchor();
+    flight.cover(true);
+    for (int i = 0; i < 150; ++i) flight.step();
+    left_m += flight.pose_error().head<3>().norm() / kSeeds;
+    flight.filter().restore(home);
+    flight.cover(false);
+    for (int i = 0; i < 30; ++i) flight.step();
+    const Vector6d error = flight.pose_error();
+    back_m += error.head<3>().norm() / kSeeds;
+    nees += error.dot(flight.filter().pose_covariance().ldlt().solve(error)) / kSeeds;
+  }
+  std::printf("off by %.3f m before, %.4f m after, NEES %.2f\n", left_m, back_m, nees);
+  EXPECT_LT(back_m, 0.1 * left_m);
+  // scale and vertical are the map's again, and may have been known better meanwhile
+  EXPECT_GT(nees, 0.8 * kLow);
+  EXPECT_LT(nees, kHigh);
+}
+
+TEST(FusionFilter, CovarianceIsHonestWithAnImu) {
+  expect_not_too_sure(nees_by_second(FusionScene{}, few_landmarks()));
+}
+
+// Away from where it began, a reference a second: the lengths go from map to map.
+TEST(FusionFilter, CovarianceIsHonestFromAnchorToAnchor) {
+  FusionScene scene;
+  scene.renew_every_s = 1;
+  scene.drift_m_s2 = 0.05;
+  expect_not_too_sure(nees_by_second(scene, few_landmarks()));
+}
+
+// Most of each new map is guessed, all too near by far: what lengths are is known from the old.
+TEST(FusionFilter, GuessesOfALaterMapDoNotTellItsScale) {
+  FusionScene scene;
+  scene.renew_every_s = 1;
+  scene.drift_m_s2 = 0.05;
+  scene.renewed = 16;
+  scene.renewed_error_log = 1.2;
+  FusionConfig config;
+  config.landmarks = 24;
+  EXPECT_LT(most(nees_by_second(scene, config, 20)), 8);
+}
+
+TEST(FusionFilter, CovarianceIsHonestWithTheFlow) {
+  FusionScene scene;
+  scene.has_imu = false;
+  scene.has_flow = true;
+  // a depth known to 50 % is too vague to be linear (docs/fusion.md)
+  FusionConfig config = few_landmarks();
+  config.inverse_depth_sigma_ratio = 0.2;
+  EXPECT_LE(outside_the_band(nees_by_second(scene, config)), 1);
+}
+
+// A speed of which nothing is known times depths that are guessed to 50 %: what no linear step
+// knows of must not be believed, frame after frame. Too careful the filter may be.
+TEST(FusionFilter, IsNotTooSureWhereTheSpeedAtTheStartIsNotKnown) {
+  FusionScene scene;
+  scene.sway_m = 0.1;
+  scene.turn_rad = 0.01;
+  scene.pixel_sigma_px = 0.2;
+  scene.velocity_sigma_m_s = 6;
+  FusionConfig config;
+  config.depth_correlated_frames = 0;
+  EXPECT_GT(most(nees_by_second(scene, config, 4)), 100) << "the case tells nothing";
+  config.depth_correlated_frames = kCarefulFrames;
+  EXPECT_LT(most(nees_by_second(scene, config, 8)), 12);
+}
+
+// Metres by inertia alone, of a start of no known height, guessed well or not.
+TEST(FusionFilter, IsNotTooSureWhereNoHeightIsKnown) {
+  FusionConfig config;
+  config.landmarks = 24;
+  config.depth_correlated_frames = kCarefulFrames;
+  config.scale_correlated_s = 5;
+  for (const double wrong_log : {-1.0, 0.0, 1.0}) {
+    FusionScene scene;
+    scene.turn_rad = 0.02;
+    scene.velocity_sigma_m_s = 6;
+    scene.log_unit_sigma = 1.5;
+    scene.scale_error_log = wrong_log;
+    EXPECT_LT(most(nees_by_second(scene, config, 10)), 12);
+  }
+}
+
+}  // namespace
+}  // namespace stillkite
