@@ -78,6 +78,9 @@ class FusionFilter {
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
   /// depth has shown. Gives how many are new.
   int update_ground(bool is_flat);
+  /// The map unit becomes the one in which the depths as a whole have no error: what they are all
+  /// wrong by is the scale's error from now on, which no view touches. Metres are as before.
+  void settle_unit();
   /// Those that the gate has refused too often in a row.
   void drop_refused();
   /// Those that no frame has shown for half a second; the spare ones alone where the others are to
@@ -157,6 +160,7 @@ class FusionFilter {
   }
   void remove_landmark(std::size_t i);
   void change_unit(double ratio);
+  [[nodiscard]] std::optional<Eigen::VectorXd> unit_of_depths() const;
   [[nodiscard]] std::vector<LowLandmark> landmarks_below() const;
   [[nodiscard]] static std::optional<double> ground_level(const std::vector<LowLandmark>& below);
   [[nodiscard]] SparseRows<1> height_row(const Landmark& landmark, int column, double factor) const;

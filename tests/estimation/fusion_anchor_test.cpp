@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "estimation/fusion_filter.hpp"
@@ -42,6 +43,41 @@ TEST(FusionFilter, ANewAnchorKeepsTheDepthsOfWhatIsInView) {
     EXPECT_NEAR(landmark.inverse_depth / inverse_depth, 1, 0.05) << landmark.feature;
   }
   EXPECT_LT(flight.filter().scale_sigma(), 1.05 * scale_sigma);
+}
+
+// Sigma of what all depths are wrong by, as a share.
+double common_depth_sigma(const FusionMap& map) {
+  const auto count = std::ssize(map.landmarks);
+  const Eigen::Index first = map.covariance.rows() - 3 * count;
+  double sum = 0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      sum += map.covariance(first + 3 * i + 2, first + 3 * j + 2) /
+             (map.landmarks[static_cast<std::size_t>(i)].inverse_depth *
+              map.landmarks[static_cast<std::size_t>(j)].inverse_depth);
+    }
+  }
+  return std::sqrt(sum) / static_cast<double>(count);
+}
+
+// Else each linearisation would move it a little: no view tells it, but all views touch depths.
+TEST(FusionFilter, WhatAllDepthsAreWrongByIsTheScales) {
+  FusionScene scene;
+  scene.renew_every_s = 1;
+  scene.settles_unit = false;
+  FusionSimulation flight(scene, few_landmarks(), 6);
+  for (int i = 0; i < 50; ++i) flight.step();
+  FusionFilter& filter = flight.filter();
+  const Matrix6d pose = filter.pose_covariance();
+  const Matrix6d anchored = filter.anchored_covariance();
+  const Eigen::Matrix3d velocity = filter.velocity_covariance();
+  ASSERT_GT(common_depth_sigma(filter.map()), 0.5 * filter.scale_sigma());
+  filter.settle_unit();
+  EXPECT_LT(common_depth_sigma(filter.map()), 0.3 * filter.scale_sigma());
+  // in metres nothing is known better, nothing worse
+  EXPECT_LT((filter.pose_covariance() - pose).norm(), 1e-9 * pose.norm());
+  EXPECT_LT((filter.anchored_covariance() - anchored).norm(), 1e-9 * anchored.norm());
+  EXPECT_LT((filter.velocity_covariance() - velocity).norm(), 1e-9 * velocity.norm());
 }
 
 // Landmarks without a feature near them are no more.
