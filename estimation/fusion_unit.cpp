@@ -1,4 +1,5 @@
 #include <utility>
+#include <vector>
 
 #include "estimation/fusion_filter.hpp"
 
