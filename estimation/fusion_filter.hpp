@@ -72,7 +72,8 @@ class FusionFilter {
   /// enough that tells its depth. Beyond `FusionConfig::landmarks` it is a spare one.
   void add_landmark(const FeatureView& reference, const std::optional<Eigen::Vector2d>& seen = {});
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
-  /// gives how many were not.
+  /// gives how many were not. A landmark that is refused too often in a row goes, and the unit is
+  /// settled.
   int update_landmarks(std::span<const FeatureView> seen);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
@@ -81,8 +82,6 @@ class FusionFilter {
   /// The map unit becomes the one in which the depths as a whole have no error: what they are all
   /// wrong by is the scale's error from now on, which no view touches. Metres are as before.
   void settle_unit();
-  /// Those that the gate has refused too often in a row.
-  void drop_refused();
   /// Those that no frame has shown for half a second; the spare ones alone where the others are to
   /// be met again.
   void drop_unseen(bool keep_first);
@@ -158,6 +157,7 @@ class FusionFilter {
   [[nodiscard]] static int column_of(std::size_t landmark) {
     return FusionIndex::kLandmarks + 3 * static_cast<int>(landmark);
   }
+  void drop_refused();
   void remove_landmark(std::size_t i);
   void change_unit(double ratio);
   [[nodiscard]] std::optional<Eigen::VectorXd> unit_of_depths() const;

@@ -88,9 +88,11 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   }
   for (const LandmarkView& view : views) landmarks_[view.landmark].unseen = 0;
   refuse_strays(views);
-  if (views.empty() || !correct_jointly(views)) return 0;
-  blame_strays(views);
-  return static_cast<int>(views.size());
+  const bool is_corrected = !views.empty() && correct_jointly(views);
+  if (is_corrected) blame_strays(views);
+  drop_refused();
+  settle_unit();
+  return is_corrected ? static_cast<int>(views.size()) : 0;
 }
 
 // What lies where things at two depths meet moves as no point does, a little: it stays within what

@@ -237,8 +237,6 @@ bool FusedNavigator::see_landmarks(bool is_home) {
   const FeatureBearings& bearings = reference_.bearings();
   landmarks_.choose(filter_, bearings, reference_.inliers(), is_home);
   const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
-  filter_.drop_refused();
-  filter_.settle_unit();
   // under a later reference the lowest level may be another than the start's
   if (is_ground_flat_ || is_home) filter_.update_ground(is_ground_flat_);
   return taken >= config_.min_landmarks;

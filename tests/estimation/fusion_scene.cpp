@@ -98,8 +98,6 @@ void FusionSimulation::step() {
   if (scene_.has_flow) see_ground();
   if (!scene_.has_landmarks) return;
   filter_.update_landmarks(landmark_views());
-  filter_.drop_refused();
-  if (scene_.settles_unit) filter_.settle_unit();
   if (scene_.renew_every_s > 0 && time_s_ - anchor_s_ >= scene_.renew_every_s) renew_anchor();
 }
 

@@ -24,7 +24,6 @@ struct FusionScene {
   bool has_imu = true;
   bool has_flow = false;
   bool has_landmarks = true;
-  bool settles_unit = true;      ///< after each frame, as the navigator does
   double drift_m_s2 = 0;         ///< along the world's y, beside the sway
   double renew_every_s = 0;      ///< a new anchor, with the landmarks that are in view; 0: never
   int renewed = 0;               ///< of them other points then, guessed anew
