@@ -96,7 +96,9 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
 }
 
 // What lies where things at two depths meet moves as no point does, a little: it stays within what
-// the filter is told of a view, but not within what most views of the frame are off by.
+// the filter is told of a view, but not within what most views of the frame are off by. Where
+// depths are vague they take up nearly all; what is less than a frame's white noise is nobody's
+// fault.
 void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
   std::vector<double> off;
   off.reserve(views.size());
@@ -109,13 +111,15 @@ void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
   constexpr double kMedianOfChiSquare = 1.386;  // of two degrees of freedom
-  const double most = square(config_.gate_sigma) * *middle / kMedianOfChiSquare;
+  constexpr double kMost = 12.5;                // beyond it are two of a thousand
+  const double white = 1 / square(std::max(config_.pixel_noise_ratio, 1.0));
+  const double most = kMost * std::max(*middle / kMedianOfChiSquare, white);
   for (std::size_t i = 0; i < views.size(); ++i) {
     Landmark& landmark = landmarks_[views[i].landmark];
     const int depth = column_of(views[i].landmark) + 2;
     const bool is_behind =
         landmark.inverse_depth < 0 && square(landmark.inverse_depth) > 4 * P_(depth, depth);
-    landmark.refused = off[i] > 2 * most || is_behind ? landmark.refused + 1 : 0;
+    landmark.refused = off[i] > most || is_behind ? landmark.refused + 1 : 0;
   }
 }
 

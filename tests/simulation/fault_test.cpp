@@ -93,6 +93,7 @@ const HoverWorld& hover_world_of_faults() {
 struct FaultyFlight {
   double beyond_station_m = 0;  ///< way since the fault's beginning, less that of the station
   double away_after_5_s_m = 0;  ///< from the start, from 5 s after the fault's end on
+  double worst_place_m = 0;     ///< that the estimate was off by, from the fault's beginning on
   double worst_nees_after = 0;  ///< of a picture's pose, from the fault's end on
   bool is_loss_told = false;    ///< by a verdict or a reason, while it lasts
   bool is_finite = true;        ///< every command
@@ -122,6 +123,8 @@ FaultyFlight fly_with(FaultKind kind) {
         (sample.reason != HoldReason::none && sample.reason != HoldReason::within_dead_band);
   }
   for (const EstimateError& error : record.estimate_errors) {
+    if (to_seconds(error.stamp) < kFaultStart_s) continue;
+    flown.worst_place_m = std::max(flown.worst_place_m, error.position_error_m.value_or(HUGE_VAL));
     if (to_seconds(error.stamp) < kFaultStart_s + kFaultDuration_s) continue;
     flown.worst_nees_after = std::max(flown.worst_nees_after, error.pose_nees.value_or(0));
   }
@@ -158,7 +161,8 @@ INSTANTIATE_TEST_SUITE_P(Each, FaultThatIsTold,
 TEST(Fault, BehindACoverTheDroneStaysNearAndSaysSo) {
   const FaultyFlight flown = fly_with(FaultKind::reference_blind);
   EXPECT_TRUE(flown.is_finite);
-  EXPECT_TRUE(flown.is_loss_told);
+  // what it leaves may be enough: then nothing is lost
+  EXPECT_TRUE(flown.is_loss_told || flown.worst_place_m < 0.05) << flown.worst_place_m;
   EXPECT_LT(flown.beyond_station_m, 0.3);
   EXPECT_LT(flown.away_after_5_s_m, 0.4);
 }
