@@ -1,5 +1,8 @@
 #include "simulation/hover_sensors.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 
@@ -56,10 +59,7 @@ AttitudeReading HoverSensors::read_attitude(const DroneTruth& truth, Timestamp n
   const double yaw_noise_rad = sensor.yaw_noise_deg * kDegree * attitude_random_.normal();
   const double pitch_noise_rad = sensor.tilt_noise_deg * kDegree * attitude_random_.normal();
   const double roll_noise_rad = sensor.tilt_noise_deg * kDegree * attitude_random_.normal();
-  const ImuReading raw =
-      imu_errors_.add_to({now, Eigen::Vector3d(0, 0, truth.yaw_rate_rad_s),
-                          truth.world_from_body.rotation.conjugate() *
-                              (truth.acceleration_in_world_m_s2 - gravity_in_world_m_s2())});
+  const ImuReading raw = imu_errors_.add_to(exact_imu(truth, now));
   return {.stamp = now,
           .available = later(now, sensor.latency_s),
           .world_from_body = to_quaternion(
@@ -68,6 +68,17 @@ AttitudeReading HoverSensors::read_attitude(const DroneTruth& truth, Timestamp n
                .roll_rad = level.roll_rad + roll_noise_rad}),
           .angular_rate_in_body_rad_s = raw.angular_rate_in_body_rad_s,
           .specific_force_in_body_m_s2 = raw.specific_force_in_body_m_s2};
+}
+
+// Means since the last reading, as of a sensor that filters before it samples: what happens between
+// two of its readings is in the second.
+ImuReading HoverSensors::exact_imu(const DroneTruth& truth, Timestamp now) {
+  const Inertia inertia{now, truth.world_from_body.rotation, truth.velocity_in_world_m_s};
+  const Inertia last = std::exchange(last_inertia_, inertia).value_or(inertia);
+  const double dt_s = std::max(seconds_between(last.stamp, now), 1e-9);
+  const Eigen::Vector3d acceleration_m_s2 = (inertia.velocity_m_s - last.velocity_m_s) / dt_s;
+  return {now, so3_log(last.world_from_body.conjugate() * inertia.world_from_body) / dt_s,
+          inertia.world_from_body.conjugate() * (acceleration_m_s2 - gravity_in_world_m_s2())};
 }
 
 double HoverSensors::known_height_m(double height_m) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "geometry/fields.hpp"
 #include "geometry/time.hpp"
@@ -73,13 +74,21 @@ class HoverSensors {
   [[nodiscard]] double known_height_m(double height_m) const;
 
  private:
+  struct Inertia {
+    Timestamp stamp;
+    Eigen::Quaterniond world_from_body;
+    Eigen::Vector3d velocity_m_s;
+  };
+
   [[nodiscard]] TetherSample read_tether(const DroneTruth& truth, Timestamp now);
   [[nodiscard]] AttitudeReading read_attitude(const DroneTruth& truth, Timestamp now);
+  [[nodiscard]] ImuReading exact_imu(const DroneTruth& truth, Timestamp now);
 
   HoverSensorConfig config_;
   Random tether_random_;
   Random attitude_random_;
   ImuErrors imu_errors_;
+  std::optional<Inertia> last_inertia_;
   double yaw_drift_rad_s_;
   double height_factor_;
   std::int64_t tether_count_ = 0;

@@ -56,8 +56,6 @@ void TetheredDrone::step(const TetherCommand& command, const Disturbance& distur
     place(disturbance.loose_tether_m);
     truth_.velocity_in_world_m_s =
         (truth_.world_from_body.translation - last.world_from_body.translation) / step_s;
-    truth_.acceleration_in_world_m_s2 =
-        (truth_.velocity_in_world_m_s - last.velocity_in_world_m_s) / step_s;
     truth_.yaw_rate_rad_s = (yaw_.value - last_yaw_rad) / step_s;
   }
 }

@@ -58,12 +58,11 @@ struct EnumNames<TetherStatus> {
        {TetherStatus::slack_by_fault, "slack: the reel is at fault"}});
 };
 
-/// Truth. Velocity, acceleration and rate are means over the last internal step.
+/// Truth. Velocity and rate are means over the last internal step.
 struct DroneTruth {
   RigidTransform world_from_body;    ///< level: Rz(yaw)
   RigidTransform world_from_camera;  ///< gimbal: tilt and roll of the camera do not change
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration_in_world_m_s2 = Eigen::Vector3d::Zero();
   double yaw_rate_rad_s = 0;
   TetherState tether;  ///< direction to the drone; the length is what is paid out, taut or not
   TetherStatus tether_status = TetherStatus::taut;
