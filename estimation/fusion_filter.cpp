@@ -68,6 +68,7 @@ void FusionFilter::take_off(const Eigen::MatrixXd& A_t) {
 
 template bool FusionFilter::correct(const Innovation<1>&);
 template bool FusionFilter::correct(const Innovation<2>&);
+template bool FusionFilter::correct(const Innovation<3>&);
 template bool FusionFilter::correct(const Innovation<6>&);
 
 void FusionFilter::inject(const Eigen::VectorXd& error) {
@@ -104,6 +105,18 @@ bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
   by_tilt << 0, 1, -1, 0;
   innovation.H.add(Index::kTilt, by_tilt);
   innovation.H.add(Index::kRotation, skew(up).topRows<2>());
+  return correct(innovation);
+}
+
+bool FusionFilter::update_turn(const Eigen::Quaterniond& anchor_from_camera,
+                               const Eigen::Matrix3d& covariance) {
+  const Eigen::Quaterniond from_anchor = state_.world_from_anchor.rotation.conjugate();
+  const Eigen::Quaterniond expected = from_anchor * state_.world_from_camera.rotation;
+  const Eigen::Matrix3d in_anchor = from_anchor.toRotationMatrix();
+  Innovation<3> innovation{
+      .residual = so3_log(anchor_from_camera * expected.conjugate()), .H = {}, .noise = covariance};
+  innovation.H.add(Index::kRotation, in_anchor);
+  innovation.H.add(Index::kAnchorRotation, -in_anchor);
   return correct(innovation);
 }
 

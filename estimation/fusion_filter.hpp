@@ -50,6 +50,9 @@ class FusionFilter {
   bool update_keyframe_view(const PlaneMotion& seen, const Matrix6d& covariance);
   /// The camera, here, is the keyframe of the views to come.
   void take_keyframe();
+  /// The camera's turn since the anchor as another estimator has it; covariance of the rotation
+  /// vector, the anchor's axes. False: refused.
+  bool update_turn(const Eigen::Quaterniond& anchor_from_camera, const Eigen::Matrix3d& covariance);
   /// The vertical as another sensor has it, any length, in the camera.
   bool update_up(const Eigen::Vector3d& up_in_camera);
   /// The camera's height over the ground as another sensor has it, > 0. Where no height was given

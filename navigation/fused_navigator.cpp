@@ -95,6 +95,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const bool flow_taken = is_ground_flat_ && see_ground();
   if (reference.reference->is_back) filter_.restore(home_);
   const bool landmarks_taken = !interval.spoiled && see_landmarks(reference.reference->is_home);
+  if (!has_gyro_ && !flow_taken) take_turn(reference);
   if (reference.reference->is_back) {
     flow_from_anchor_ = flow_from_camera_ * filter_.anchor_from_camera_m().inverse();
   }
@@ -166,6 +167,14 @@ void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
   rate_covariance_ = filter_.gyro_bias_covariance() +
                      square(config_.gyro_density) / dt_s * Eigen::Matrix3d::Identity();
   last_ = now;
+}
+
+// Where neither gyroscope nor ground tells it. Its errors last as the flow's do.
+void FusedNavigator::take_turn(const NavigationEstimate& reference) {
+  const MotionEstimate& motion = reference.reference->motion;
+  if (reference.verdict != Verdict::ok || motion.status != EstimateStatus::ok) return;
+  filter_.update_turn(motion.reference_from_camera,
+                      config_.flow_correlated_frames * motion.rotation_covariance);
 }
 
 void FusedNavigator::take_rate(const NavigationEstimate& estimate) {

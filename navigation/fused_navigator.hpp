@@ -30,6 +30,7 @@ class FusedNavigator {
   void predict(const SensorReadings& readings, Timestamp now, const NavigationEstimate& reference);
   [[nodiscard]] InertialStep uncovered_step(const SensorReadings& readings, double dt_s,
                                             const NavigationEstimate& reference) const;
+  void take_turn(const NavigationEstimate& reference);
   void take_rate(const NavigationEstimate& estimate);
   void take_readings(const SensorReadings& readings, Timestamp now);
   void judge_ground(bool is_home);

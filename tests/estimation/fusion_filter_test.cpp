@@ -80,6 +80,22 @@ TEST(FusionFilter, HeightsTellMetresWithoutInertia) {
   EXPECT_LT(nees, 10);
 }
 
+// A turn that is unknown to 0.5 rad/s/sqrt(Hz) and one that is measured: weighted by both.
+TEST(FusionFilter, WeighsATurnThatIsMeasured) {
+  const Eigen::Quaterniond start = so3_exp(Eigen::Vector3d(0.3, -0.5, 1.1));
+  FusionFilter filter({}, {.world_from_camera = {start, {0, 0, 3}}});
+  filter.predict({.dt_s = 0.04, .angular_rate_rad_s = {}, .is_gyro = false});
+  const Eigen::Matrix3d before = 0.01 * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d noise = Eigen::Vector3d(4e-2, 1e-2, 1e-4).asDiagonal();
+  const Eigen::Vector3d seen(3e-3, -2e-3, 1e-3);
+  EXPECT_FALSE(filter.update_turn(so3_exp(Eigen::Vector3d(0, 0, 1)), noise));
+  ASSERT_TRUE(filter.update_turn(so3_exp(seen), noise));
+  const Eigen::Matrix3d after = (before.inverse() + noise.inverse()).inverse();
+  EXPECT_LT((filter.anchored_covariance().bottomRightCorner<3, 3>() - after).norm(), 1e-9);
+  const Eigen::Vector3d turn = so3_log(filter.anchor_from_camera_m().rotation);
+  EXPECT_LT((turn - after * noise.inverse() * seen).norm(), 1e-5);
+}
+
 TEST(FusionFilter, RefusesALandmarkThatJumps) {
   FusionSimulation flight(FusionScene{}, FusionConfig{}, 5);
   for (int i = 0; i < 30; ++i) flight.step();
