@@ -24,7 +24,7 @@ HOME_M, SETTLED_S, MOST_BEYOND_M = 0.10, 5.0, 0.3
 AXES = 3  # an interrupted run has fewer flights
 AMOUNTS = {"height_step": ["plant.fault.floor_rise_m=1"]}
 KINDS = ["every_third_frame_lost", "stamps_off", "height_step", "gyro_bias", "frozen_video",
-         "tether_slack", "picture_dark", "reference_blind"]
+         "tether_slack", "picture_dark", "reference_blind", "flow_blind"]
 
 
 def fly(options, kind, seed):

@@ -1,6 +1,8 @@
 #include "simulation/fault.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "geometry/angle.hpp"
 
@@ -31,8 +33,12 @@ FaultEffect effect_of(const FaultConfig& fault, double t_s) {
     case FaultKind::reference_blind:
       effect.covered_ratio = fault.covered_ratio;
       break;
+    case FaultKind::flow_blind:
+      effect.floor_moved_m = fault.floor_swing_m * std::sin(std::numbers::pi * since_start_s) *
+                             Eigen::Vector3d(1, 1, 0).normalized();
+      break;
     case FaultKind::height_step:
-      effect.floor_rise_m = fault.floor_rise_m;
+      effect.floor_moved_m.z() = fault.floor_rise_m;
       break;
     case FaultKind::gyro_bias:
       effect.gyro_bias_rad_s = bias_rad_s;

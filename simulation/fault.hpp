@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,7 @@ enum class FaultKind {
   stamps_off,              ///< pictures say they are later than they are
   picture_dark,            ///< hardly any light: there is nothing to see but noise
   reference_blind,         ///< something patterned swings before the upper part of the picture
+  flow_blind,              ///< the floor swings, as water or what the wind blows over it
   height_step,             ///< the floor is higher than before, what stands on it is not
   gyro_bias,               ///< about each axis; the IMU's own heading turns with it
   tether_slack,            ///< the reel pays out too much, and the drone comes nearer
@@ -26,6 +28,7 @@ struct EnumNames<FaultKind> {
        {FaultKind::stamps_off, "stamps_off"},
        {FaultKind::picture_dark, "picture_dark"},
        {FaultKind::reference_blind, "reference_blind"},
+       {FaultKind::flow_blind, "flow_blind"},
        {FaultKind::height_step, "height_step"},
        {FaultKind::gyro_bias, "gyro_bias"},
        {FaultKind::tether_slack, "tether_slack"}});
@@ -39,6 +42,7 @@ struct FaultConfig {
   double stamps_off_s = 0.05;
   double light_ratio = 0.005;
   double covered_ratio = 0.75;
+  double floor_swing_m = 0.2;
   double floor_rise_m = 0.3;
   double gyro_bias_deg_s = 1;
   double loose_tether_m = 0.15;
@@ -52,6 +56,8 @@ struct FaultConfig {
     field("light_ratio", self.light_ratio, Range{0, 1}, "picture_dark: of the light that is left");
     field("covered_ratio", self.covered_ratio, Range{0, 1},
           "reference_blind: of the picture's height, from above");
+    field("floor_swing_m", self.floor_swing_m, Range{0, 5},
+          "flow_blind: how far to either side, every 2 s");
     field("floor_rise_m", self.floor_rise_m, Range{-5, 5}, "height_step: how much higher");
     field("gyro_bias_deg_s", self.gyro_bias_deg_s, Range{-100, 100}, "gyro_bias: about each axis");
     field("loose_tether_m", self.loose_tether_m, Range{0, 10},
@@ -68,8 +74,8 @@ struct FaultEffect {
   double stamps_off_s = 0;
   double light_ratio = 1;
   double covered_ratio = 0;
-  double floor_rise_m = 0;
-  double gyro_bias_rad_s = 0;    ///< about each axis of the body
+  Eigen::Vector3d floor_moved_m = Eigen::Vector3d::Zero();  ///< world
+  double gyro_bias_rad_s = 0;                               ///< about each axis of the body
   double heading_error_rad = 0;  ///< of the IMU's attitude: what the bias has added up to; it stays
   double loose_tether_m = 0;
 };

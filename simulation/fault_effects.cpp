@@ -44,11 +44,11 @@ cv::Mat covered(const cv::Mat& light, double ratio, double t_s) {
   return out;
 }
 
-PatchScene with_floor_raised(PatchScene scene, double by_m) {
+PatchScene with_floor_moved(PatchScene scene, const Eigen::Vector3d& by_m) {
   for (Patch& patch : scene.patches) {
     const bool is_floor = patch.corner_in_world_m.z() == 0 && patch.right_in_world_m.z() == 0 &&
                           patch.down_in_world_m.z() == 0;
-    if (is_floor) patch.corner_in_world_m.z() += by_m;
+    if (is_floor) patch.corner_in_world_m += by_m;
   }
   return scene;
 }

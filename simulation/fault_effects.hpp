@@ -14,7 +14,7 @@ namespace stillkite {
 /// The upper part of a picture (CV_32FC1) behind a patterned sheet that swings to and fro.
 [[nodiscard]] cv::Mat covered(const cv::Mat& light, double ratio, double t_s);
 
-/// The level patches at height 0 lifted; what stands on them sinks in.
-[[nodiscard]] PatchScene with_floor_raised(PatchScene scene, double by_m);
+/// The level patches at height 0 moved; what stands on one that is lifted sinks in.
+[[nodiscard]] PatchScene with_floor_moved(PatchScene scene, const Eigen::Vector3d& by_m);
 
 }  // namespace stillkite

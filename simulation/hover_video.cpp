@@ -81,10 +81,10 @@ std::optional<SentPicture> HoverVideo::take(Timestamp now) {
 // Noise-free. The scene as it is at present; the world's own where nothing has moved in it.
 cv::Mat HoverVideo::light(const DroneTruth& truth, Timestamp now, const FaultEffect& fault) const {
   const Shutter shutter = shutter_about(truth, config_.plant.camera);
-  if (fault.floor_rise_m == 0 && passers_.empty()) {
+  if (fault.floor_moved_m.isZero(0) && passers_.empty()) {
     return world_.renderer.render(world_.scene, shutter);
   }
-  PatchScene scene = with_floor_raised(world_.scene, fault.floor_rise_m);
+  PatchScene scene = with_floor_moved(world_.scene, fault.floor_moved_m);
   if (!passers_.empty()) {
     scene = with_passers(std::move(scene), *config_.plant.passers, passers_, to_seconds(now));
   }

@@ -83,7 +83,7 @@ TEST(HoverVideo, WithoutLightThereIsOnlyNoise) {
 // The horizon of a camera that looks 15 degrees down is in row 59.5 - 120 tan(15 deg) = 27.
 TEST(HoverVideo, AFloorThatRisesChangesThePictureBelowTheHorizonOnly) {
   const cv::Mat before = sent_with({})[0].frame.grey;
-  const cv::Mat after = sent_with({.floor_rise_m = 0.3})[0].frame.grey;
+  const cv::Mat after = sent_with({.floor_moved_m = {0, 0, 0.3}})[0].frame.grey;
   EXPECT_TRUE(is_same_picture(before.rowRange(0, 20), after.rowRange(0, 20)));
   EXPECT_FALSE(is_same_picture(before.rowRange(80, 120), after.rowRange(80, 120)));
 }
