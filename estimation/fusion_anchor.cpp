@@ -32,6 +32,7 @@ FusionFilter::InheritedDepths FusionFilter::depths_from_camera() const {
     rows.push_back(view->by_error);
     out.landmarks.push_back({.feature = kUnnumbered,
                              .bearing = view->bearing,
+                             .reference = view->bearing,
                              .inverse_depth = view->inverse_depth,
                              .is_on_ground = landmarks_[i].is_on_ground});
   }
@@ -90,7 +91,7 @@ void FusionFilter::number_landmarks(std::span<const FeatureView> reference, doub
       continue;
     }
     landmark.feature = nearest->feature;
-    landmark.bearing = nearest->bearing;
+    landmark.bearing = landmark.reference = nearest->bearing;
     P_.block<2, 2>(column_of(i), column_of(i)) = nearest->covariance;
   }
 }

@@ -10,8 +10,10 @@ inline constexpr double kCarefulFrames = 300;
 
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
-  double pixel_sigma_px = 0.1;
-  double pixel_noise_ratio = 8.0;
+  double pixel_sigma_px = 0.02;
+  double pixel_noise_ratio = 2.0;
+  double window_error_ratio = 1.0;
+  double window_error_way = 0.03;
   double gate_sigma = 4.0;
   bool flat_ground = false;
   int landmarks = 48;
@@ -25,7 +27,7 @@ struct FusionConfig {
   double keyframe_view_sigma_ratio = 0.02;
   double flow_correlated_frames = 10;
   double height_correlated_frames = 10;
-  double depth_correlated_frames = 10;
+  double depth_correlated_frames = 30;
   double scale_correlated_s = 1.0;
   double acceleration_density = 1.0;
   double gyro_density = 5e-4;
@@ -41,8 +43,14 @@ struct FusionConfig {
     field("pixel_sigma_px", self.pixel_sigma_px, kPositive,
           "of a feature's place, beside what the noise in its window explains");
     field("pixel_noise_ratio", self.pixel_noise_ratio, kNotNegative,
-          "sigma that counts as long as that noise lasts, over the one of white noise of its "
-          "strength");
+          "sigma of a view over what that noise makes it");
+    field(
+        "window_error_ratio", self.window_error_ratio, kNotNegative,
+        "sigma of what a feature's window is off by as long as the camera stays where it is, over "
+        "that of a view");
+    field("window_error_way", self.window_error_way, kPositive,
+          "over which that becomes another and both variances grow by one of theirs, as a share of "
+          "the feature's depth");
     field("gate_sigma", self.gate_sigma, kPositive,
           "a measurement further than that from its prediction is left out");
     field("flat_ground", self.flat_ground,

@@ -145,6 +145,9 @@ class FusionFilter {
   void take_off(const Eigen::MatrixXd& A_t);
   [[nodiscard]] bool is_within_gate(const Innovation<2>& innovation) const;
   void inject(const Eigen::VectorXd& error);
+  [[nodiscard]] std::optional<std::size_t> landmark_of(int feature) const;
+  [[nodiscard]] double window_growth(const Landmark& landmark) const;
+  void age_windows(std::span<const FeatureView> seen);
   [[nodiscard]] std::vector<LandmarkView> landmark_views(std::span<const FeatureView> seen) const;
   void refuse_strays(std::vector<LandmarkView>& views);
   void blame_strays(const std::vector<LandmarkView>& views);

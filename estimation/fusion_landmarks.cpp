@@ -68,6 +68,7 @@ void FusionFilter::add_landmark(const FeatureView& reference,
                                    [](const Landmark& l) { return !l.is_spare; });
   landmarks_.push_back({.feature = reference.feature,
                         .bearing = reference.bearing,
+                        .reference = reference.bearing,
                         .inverse_depth = told ? *told : guess,
                         .is_guess = !told,
                         .is_spare = first >= config_.landmarks});
@@ -81,6 +82,7 @@ bool FusionFilter::needs_guesses() const {
 }
 
 int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
+  age_windows(seen);
   std::vector<LandmarkView> views = landmark_views(seen);
   for (Landmark& landmark : landmarks_) {
     landmark.is_guess = false;
@@ -130,6 +132,41 @@ Eigen::Matrix3d FusionFilter::way_covariance() const {
   return P_.block<3, 3>(p, p) + P_.block<3, 3>(a, a) - P_.block<3, 3>(p, a) - P_.block<3, 3>(a, p);
 }
 
+std::optional<std::size_t> FusionFilter::landmark_of(int feature) const {
+  const auto found = std::find_if(landmarks_.begin(), landmarks_.end(),
+                                  [&](const Landmark& l) { return l.feature == feature; });
+  if (found == landmarks_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - landmarks_.begin());
+}
+
+// Of the variances of what a window is off by: the further the camera from where it was taken, the
+// less it looks the same.
+double FusionFilter::window_growth(const Landmark& landmark) const {
+  return 1 + landmark.way.norm() / config_.window_error_way;
+}
+
+// What a window is off by lasts while the camera stays where it is, and is another elsewhere: a
+// first-order Gauss-Markov process of the way, in depths, about the bearing in the reference.
+void FusionFilter::age_windows(std::span<const FeatureView> seen) {
+  const int n = size();
+  const Eigen::Vector3d way =
+      state_.world_from_camera.translation - state_.world_from_anchor.translation;
+  for (const FeatureView& view : seen) {
+    const std::optional<std::size_t> i = landmark_of(view.feature);
+    if (!i) continue;
+    Landmark& landmark = landmarks_[*i];
+    const Eigen::Vector3d in_depths = landmark.inverse_depth * way;
+    const double kept = std::exp(-(in_depths - landmark.way).norm() / config_.window_error_way);
+    landmark.way = in_depths;
+    landmark.bearing = landmark.reference + kept * (landmark.bearing - landmark.reference);
+    const int column = column_of(*i);
+    P_.block(column, 0, 2, n) *= kept;
+    P_.block(0, column, n, 2) *= kept;
+    P_.block<2, 2>(column, column) += (1 - square(kept)) * square(config_.window_error_ratio) *
+                                      window_growth(landmark) * view.covariance;
+  }
+}
+
 // What way and depth are not known to moves a view by their product, of which the linear update
 // knows nothing; it is no noise of a frame but as lasting as they are.
 std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
@@ -138,15 +175,14 @@ std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
   std::vector<LandmarkView> views;
   views.reserve(landmarks_.size());
   for (const FeatureView& view : seen) {
-    const auto found = std::find_if(landmarks_.begin(), landmarks_.end(),
-                                    [&](const Landmark& l) { return l.feature == view.feature; });
-    if (found == landmarks_.end()) continue;
-    const auto i = static_cast<std::size_t>(found - landmarks_.begin());
-    const int depth = column_of(i) + 2;
-    views.push_back({.landmark = i,
-                     .bearing = view.bearing,
-                     .covariance = view.covariance + product_covariance(state_, *found, lasting_way,
-                                                                        P_(depth, depth))});
+    const std::optional<std::size_t> i = landmark_of(view.feature);
+    if (!i) continue;
+    const int depth = column_of(*i) + 2;
+    views.push_back(
+        {.landmark = *i,
+         .bearing = view.bearing,
+         .covariance = window_growth(landmarks_[*i]) * view.covariance +
+                       product_covariance(state_, landmarks_[*i], lasting_way, P_(depth, depth))});
   }
   return views;
 }

@@ -30,14 +30,18 @@ struct FusionState {
 
 /// A point in space, seen from the anchor at (x, y, 1) / inverse depth.
 struct Landmark {
-  int feature = 0;            ///< its number in the reference
-  Eigen::Vector2d bearing;    ///< on z = 1 of the anchor
+  int feature = 0;          ///< its number in the reference
+  Eigen::Vector2d bearing;  ///< on z = 1 of the anchor, with what its window is off by now
+  /// The same, as its window lies in the reference.
+  Eigen::Vector2d reference = Eigen::Vector2d::Zero();
   double inverse_depth = 0;   ///< 1 / map units
   bool is_guess = false;      ///< its depth, by no view yet
   bool is_on_ground = false;  ///< taken for it, once
   int refused = 0;            ///< times in a row that the gate refused it
   int unseen = 0;             ///< frames in a row that had no view of it
   bool is_spare = false;      ///< taken up because most others are out of view
+  /// Of the camera from the anchor when it was last seen, in its depths; world axes.
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();
 };
 
 /// A reference frame that was left, to be used again when it comes back into view.

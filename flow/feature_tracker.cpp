@@ -44,13 +44,19 @@ TileGrid feature_grid(const std::vector<Eigen::Vector2f>& centres_px, float scal
   return grid;
 }
 
+float determinant_of(const TileMeasurements& m, std::size_t i) {
+  return m.gxx[i] * m.gyy[i] - m.gxy[i] * m.gxy[i];
+}
+
+float smaller_eigenvalue(const TileMeasurements& m, std::size_t i) {
+  const float half_trace = 0.5F * (m.gxx[i] + m.gyy[i]);
+  return half_trace - std::sqrt(std::max(0.0F, half_trace * half_trace - determinant_of(m, i)));
+}
+
 /// The Lucas-Kanade step G u = g of one tile; nothing happens where there is too little texture.
 Eigen::Vector2f tile_step(const TileMeasurements& m, std::size_t i) {
-  const float half_trace = 0.5F * (m.gxx[i] + m.gyy[i]);
-  const float determinant = m.gxx[i] * m.gyy[i] - m.gxy[i] * m.gxy[i];
-  const float smaller =
-      half_trace - std::sqrt(std::max(0.0F, half_trace * half_trace - determinant));
-  if (smaller < kTexture) return Eigen::Vector2f::Zero();
+  if (smaller_eigenvalue(m, i) < kTexture) return Eigen::Vector2f::Zero();
+  const float determinant = determinant_of(m, i);
   const Eigen::Vector2f u((m.gyy[i] * m.gx[i] - m.gxy[i] * m.gy[i]) / determinant,
                           (m.gxx[i] * m.gy[i] - m.gxy[i] * m.gx[i]) / determinant);
   const float length = u.norm();
@@ -64,23 +70,34 @@ float correlation_of(const TileMeasurements& m, std::size_t i) {
   return product > 0 ? (m.contrast[i] - m.gain_product[i]) / std::sqrt(product) : -1;
 }
 
-/// (G / s^2)^-1 with the variance s^2 of what a step, or else a gain, does not explain; at least
-/// that of two roundings.
-Eigen::Matrix2f covariance_of(const TileMeasurements& m, std::size_t i, const Eigen::Vector2f& u) {
+/// Of a pixel, grey^2: what a step, or else a gain, does not explain; at least that of two
+/// roundings.
+float noise_of(const TileMeasurements& m, std::size_t i) {
   constexpr float kUnknowns = 4;  // step, mean, gain
   constexpr float kRounding_grey2 = 2.0F / 12;
-  const float determinant = m.gxx[i] * m.gyy[i] - m.gxy[i] * m.gxy[i];
+  const Eigen::Vector2f u = tile_step(m, i);
+  const float gained =
+      m.contrast[i] > 0 ? m.gain_product[i] * m.gain_product[i] / m.contrast[i] : 0.0F;
+  const float explained = std::max(m.gx[i] * u.x() + m.gy[i] * u.y(), gained);
+  return std::max(kRounding_grey2,
+                  (m.residual[i] - explained) / (kFeatureWindowPixels - kUnknowns));
+}
+
+/// The noise s^2 is in the gradients as well, which are those of one of two pictures, by central
+/// differences: of the structure tensor G of n pixels n s^2 / 4 are none of the texture's, T. A
+/// step is off by T^-1 times sums that vary by s^2 G, hence (T G^-1 T / s^2)^-1.
+Eigen::Matrix2f covariance_of(const TileMeasurements& m, std::size_t i, float noise) {
+  constexpr float kMostNoise = 0.8F;  // of the smaller eigenvalue
+  const float smaller = smaller_eigenvalue(m, i);
   // an edge alone, or nothing: it may be anywhere in its window
-  if (!(determinant > 0) || !(m.contrast[i] > 0)) {
+  if (!(smaller > 0)) {
     return 0.25F * kFeatureWindowPixels * Eigen::Matrix2f::Identity();
   }
-  const float explained = std::max(m.gx[i] * u.x() + m.gy[i] * u.y(),
-                                   m.gain_product[i] * m.gain_product[i] / m.contrast[i]);
-  const float variance =
-      std::max(kRounding_grey2, (m.residual[i] - explained) / (kFeatureWindowPixels - kUnknowns));
-  Eigen::Matrix2f adjugate;
-  adjugate << m.gyy[i], -m.gxy[i], -m.gxy[i], m.gxx[i];
-  return variance / determinant * adjugate;
+  Eigen::Matrix2f G;
+  G << m.gxx[i], m.gxy[i], m.gxy[i], m.gyy[i];
+  const float of_noise = std::min(0.25F * kFeatureWindowPixels * noise, kMostNoise * smaller);
+  const Eigen::Matrix2f T_inverse = (G - of_noise * Eigen::Matrix2f::Identity()).inverse();
+  return noise * T_inverse * G * T_inverse;
 }
 
 }  // namespace
@@ -162,6 +179,7 @@ void FeatureTracker::align(bool is_warm) {
   }
   // 2. What has left the picture, looks different or does not lead back is lost.
   judge();
+  tell_covariances();
   if (config_.forward_backward_px > 0) track_back();
   tracks_.found_count = static_cast<int>(std::count(tracks_.found.begin(), tracks_.found.end(), 1));
 }
@@ -251,7 +269,6 @@ void FeatureTracker::step(int level, TileWarp warp) {
     displacements_px_[i] += std::ldexp(1.0F, level) * u;
     if (!finest) continue;
     correlations_[i] = correlation_of(m, i);
-    tracks_.covariance_px2[i] = covariance_of(m, i, u);
   }
 }
 
@@ -285,6 +302,24 @@ void FeatureTracker::judge() {
                                correlations_[i] > static_cast<float>(config_.min_correlation)
                            ? 1
                            : 0;
+  }
+}
+
+// By the noise of each window, but no less than that of the median: a camera's is much the same all
+// over, and where compression has flattened two windows alike nothing is left of it to be seen.
+void FeatureTracker::tell_covariances() {
+  const TileMeasurements& m = tiles_.measurements();
+  noise_grey2_.clear();
+  for (std::size_t i = 0; i < tracks_.found.size(); ++i) {
+    if (tracks_.found[i] != 0) noise_grey2_.push_back(noise_of(m, i));
+  }
+  if (noise_grey2_.empty()) return;
+  const auto middle = noise_grey2_.begin() + static_cast<std::ptrdiff_t>(noise_grey2_.size() / 2);
+  std::nth_element(noise_grey2_.begin(), middle, noise_grey2_.end());
+  const float least = *middle;
+  for (std::size_t i = 0; i < tracks_.found.size(); ++i) {
+    if (tracks_.found[i] == 0) continue;
+    tracks_.covariance_px2[i] = covariance_of(m, i, std::max(noise_of(m, i), least));
   }
 }
 

@@ -64,6 +64,8 @@ class TileFlow {
   const TileMeasurements& measure(const cv::Mat& reference, const cv::Mat& current,
                                   const TileGrid& grid, const TilePlacement& placement,
                                   TileWarp warp, float gain, const TileEffort& effort = {});
+  /// Of the last call.
+  [[nodiscard]] const TileMeasurements& measurements() const { return measurements_; }
 
  private:
   TileMeasurements measurements_;

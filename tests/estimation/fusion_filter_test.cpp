@@ -112,7 +112,7 @@ TEST(FusionFilter, DropsALandmarkThatMovesAsNoPointDoes) {
   scene.turn_rad = 0;
   scene.true_noise_ratio = 0.2;
   scene.first_moves_backwards = true;
-  FusionSimulation flight(scene, FusionConfig{}, 8);
+  FusionSimulation flight(scene, white_noise(), 8);
   for (int i = 0; i < 90; ++i) flight.step();
   EXPECT_EQ(flight.filter().dropped(), std::vector<int>{0});
   EXPECT_LT(flight.pose_error().tail<3>().norm(), 2e-4);

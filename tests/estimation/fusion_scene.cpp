@@ -35,6 +35,7 @@ FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig&
   height_error_log_ = config.height_sigma_ratio * normal();
   filter_.take_anchor();
   for (int i = 0; i < config.landmarks; ++i) points_.push_back(add_point(i, scene.scale_error_log));
+  windows_.resize(points_.size());
   first_bearing_ = (truth_at(0).world_from_camera.inverse() * points_[0]).hnormalized();
 }
 
@@ -105,6 +106,7 @@ void FusionSimulation::step() {
 void FusionSimulation::renew_anchor() {
   constexpr double kSamePoint_px = 3;
   anchor_s_ = time_s_;
+  windows_.assign(points_.size(), {});
   filter_.take_anchor();
   std::vector<FeatureView> features = landmark_views();
   features.erase(features.begin(), features.begin() + scene_.renewed);
@@ -123,10 +125,28 @@ std::vector<FeatureView> FusionSimulation::landmark_views() {
     Eigen::Vector2d bearing = (camera_from_world * points_[i]).hnormalized();
     if (i == 0 && scene_.first_moves_backwards) bearing = 2 * first_bearing_ - bearing;
     if (i == 0) bearing.x() += first_shift_px_ / scene_.focal_px;
+    if (scene_.window_error_ratio > 0) bearing += window_error_px(i) / scene_.focal_px;
     seen.push_back({static_cast<int>(i), bearing + noise * Eigen::Vector2d(normal(), normal()),
                     sigma * sigma * Eigen::Matrix2d::Identity()});
   }
   return seen;
+}
+
+// Beside the white noise: what lasts, and what is new but grows with it.
+Eigen::Vector2d FusionSimulation::window_error_px(std::size_t i) {
+  const RigidTransform anchor = truth_at(anchor_s_).world_from_camera;
+  const double depth_m = (anchor.inverse() * points_[i]).z();
+  const Eigen::Vector3d way =
+      (truth().world_from_camera.translation - anchor.translation) / depth_m;
+  Window& window = windows_[i];
+  const double kept = std::exp(-(way - window.way).norm() / scene_.window_error_way);
+  window.way = way;
+  const double grown = way.norm() / scene_.window_error_way;
+  const double lasting = scene_.window_error_ratio * scene_.pixel_sigma_px *
+                         std::sqrt((1 - kept * kept) * (1 + grown));
+  window.error_px = kept * window.error_px + lasting * Eigen::Vector2d(normal(), normal());
+  return window.error_px +
+         scene_.pixel_sigma_px * std::sqrt(grown) * Eigen::Vector2d(normal(), normal());
 }
 
 // As from a keyframe that is replaced now and then, its height off by what the start's is.

@@ -16,6 +16,8 @@ struct FusionScene {
   double turn_rad = 0.1;
   double pixel_sigma_px = 0.3;         ///< as the filter is told
   double true_noise_ratio = 1;         ///< of the pixels' noise to that
+  double window_error_ratio = 0;       ///< of what windows are off by to the noise, both growing
+  double window_error_way = 0.1;       ///< as FusionConfig's
   bool first_moves_backwards = false;  ///< landmark 0 shifts as if it were behind the camera
   double focal_px = 480;
   double velocity_sigma_m_s = 1e-3;  ///< at the start, as the filter is told; it is at rest
@@ -30,9 +32,16 @@ struct FusionScene {
   double renewed_error_log = 0;  ///< those guesses are off by that, all alike
 };
 
-/// The filter's defaults with ten landmarks, which is quicker.
-[[nodiscard]] inline FusionConfig few_landmarks() {
+/// The filter's defaults for views that err anew each time.
+[[nodiscard]] inline FusionConfig white_noise() {
   FusionConfig config;
+  config.window_error_way = 1e6;
+  return config;
+}
+
+/// The same with ten landmarks, which is quicker.
+[[nodiscard]] inline FusionConfig few_landmarks() {
+  FusionConfig config = white_noise();
   config.landmarks = 10;
   return config;
 }
@@ -69,6 +78,7 @@ class FusionSimulation {
   [[nodiscard]] FusionTruth truth_at(double t_s) const;
   void see_ground();
   [[nodiscard]] std::vector<FeatureView> landmark_views();
+  Eigen::Vector2d window_error_px(std::size_t i);
   void renew_anchor();
   Eigen::Vector3d add_point(int feature, double error_log);
   [[nodiscard]] double normal() { return normal_(engine_); }
@@ -84,6 +94,11 @@ class FusionSimulation {
   Eigen::Vector3d sway_phase_, turn_phase_;
   Eigen::Vector3d gyro_bias_, accel_bias_;
   double height_error_log_ = 0;
+  struct Window {
+    Eigen::Vector2d error_px = Eigen::Vector2d::Zero();
+    Eigen::Vector3d way = Eigen::Vector3d::Zero();  // from the anchor, in depths
+  };
+  std::vector<Window> windows_;
   std::vector<Eigen::Vector3d> points_;
   Eigen::Vector2d first_bearing_;
   double first_shift_px_ = 0;
