@@ -27,7 +27,7 @@ struct FusionConfig {
   double keyframe_view_sigma_ratio = 0.02;
   double flow_correlated_frames = 10;
   double height_correlated_frames = 10;
-  double depth_correlated_frames = 30;
+  double depth_correlated_frames = 60;
   double scale_correlated_s = 1.0;
   double acceleration_density = 1.0;
   double gyro_density = 5e-4;
