@@ -90,7 +90,7 @@ Eigen::Matrix2f covariance_of(const TileMeasurements& m, std::size_t i, float no
   constexpr float kMostNoise = 0.8F;  // of the smaller eigenvalue
   const float smaller = smaller_eigenvalue(m, i);
   // an edge alone, or nothing: it may be anywhere in its window
-  if (!(smaller > 0)) {
+  if (!(smaller >= kTexture)) {
     return 0.25F * kFeatureWindowPixels * Eigen::Matrix2f::Identity();
   }
   Eigen::Matrix2f G;
