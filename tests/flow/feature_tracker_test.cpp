@@ -94,6 +94,33 @@ TEST(FeatureTracker, SaysHowFarItIsOffInNoise) {
   }
 }
 
+// As where compression has flattened both windows: what cannot be seen of the noise is there.
+TEST(FeatureTracker, IsNoSurerWhereItSeesNoNoise) {
+  const cv::Mat clean = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Rect noisy_part(0, 0, 2 * kSize.width / 3, kSize.height);
+  const auto median_trace_beyond = [&](double noise_grey) {
+    cv::RNG random(12);
+    const auto noisy = [&] {
+      cv::Mat picture = clean.clone();
+      cv::Mat noise(noisy_part.size(), CV_32F);
+      random.fill(noise, cv::RNG::NORMAL, 0, noise_grey);
+      cv::add(picture(noisy_part), noise, picture(noisy_part), cv::noArray(), CV_8U);
+      return picture;
+    };
+    FeatureTracker tracker({});
+    tracker.set_reference(noisy(), corners(clean));
+    const FeatureTracks& tracks = tracker.track(noisy());
+    std::vector<float> traces;
+    for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+      const bool is_beyond = tracks.reference_px[i].x() > static_cast<float>(noisy_part.width + 9);
+      if (tracks.found[i] != 0 && is_beyond) traces.push_back(tracks.covariance_px2[i].trace());
+    }
+    std::sort(traces.begin(), traces.end());
+    return traces.at(traces.size() / 2);
+  };
+  EXPECT_GT(median_trace_beyond(6), 50 * median_trace_beyond(0));
+}
+
 // Structures of all sizes, as a scene has them: a long way then leaves no doubt.
 cv::Mat scene() {
   cv::RNG random(7);
