@@ -50,6 +50,8 @@ FusionFilter::InheritedDepths FusionFilter::depths_from_camera() const {
 // A landmark that stays in view is the same point: with its depth all that the lengths of the old
 // map are known by goes over into the new one. Nothing else is left of it.
 void FusionFilter::take_anchor() {
+  if (!landmarks_.empty()) forget_start();
+  remember([](FusionFilter& filter) { filter.take_anchor(); });
   const InheritedDepths kept = depths_from_camera();
   if (!landmarks_.empty()) is_first_map_ = false;
   landmarks_ = kept.landmarks;
@@ -113,6 +115,7 @@ FusionMap FusionFilter::map() const {
 }
 
 void FusionFilter::restore(const FusionMap& map) {
+  forget_start();
   change_unit(std::exp(state_.log_scale - map.log_scale));
   state_.gravity_tilt_rad = map.gravity_tilt_rad;
   state_.log_scale = map.log_scale;

@@ -28,7 +28,8 @@ struct FusionConfig {
   double flow_correlated_frames = 10;
   double height_correlated_frames = 10;
   double depth_correlated_frames = 60;
-  double scale_correlated_s = 1.0;
+  bool relinearize_start = true;
+  double scale_correlated_s = 5.0;
   double acceleration_density = 1.0;
   double gyro_density = 5e-4;
   double gyro_bias_sigma_rad_s = 0.01;
@@ -85,6 +86,9 @@ struct FusionConfig {
     field("depth_correlated_frames", self.depth_correlated_frames, kNotNegative,
           "frames over which what way and depths are not known to moves the features alike; the "
           "variance of their product is taken that many times");
+    field("relinearize_start", self.relinearize_start,
+          "what was seen of the first reference is gone through again, twice within its first 40 "
+          "frames, about the depths that it tells as a whole");
     field("scale_correlated_s", self.scale_correlated_s, kNotNegative,
           "time over which what scale and acceleration are not known to moves the camera alike");
     field("acceleration_density", self.acceleration_density, kPositive,

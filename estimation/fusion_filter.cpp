@@ -13,6 +13,7 @@ using Index = FusionIndex;
 
 FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
     : config_(config),
+      start_(start),
       start_in_world_(start.world_from_camera.translation),
       start_m_(start_in_world_),
       is_height_given_(start.log_unit_sigma == 0) {
@@ -31,10 +32,12 @@ FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
   set(Index::kScale, 1, config.scale_sigma_ratio);
   set(Index::kHeight, 1, config.height_sigma_ratio);
   doubt_height(start.log_unit_sigma);
+  if (config.relinearize_start) told_.resize(1);
 }
 
 // Of a unit that is no metre the height is as many metres: both or neither.
 void FusionFilter::doubt_height(double sigma_ratio) {
+  remember([=](FusionFilter& filter) { filter.doubt_height(sigma_ratio); });
   P_.block<2, 2>(Index::kScale, Index::kScale) +=
       square(sigma_ratio) * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
 }
@@ -94,6 +97,7 @@ void FusionFilter::inject(const Eigen::VectorXd& error) {
 }
 
 bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
+  remember([=](FusionFilter& filter) { filter.update_up(up_in_camera); });
   // R up is exp(tilt) z: its level parts are (tilt_y, -tilt_x)
   const Eigen::Vector3d up = state_.world_from_camera.rotation * up_in_camera.normalized();
   Innovation<2> innovation{
@@ -110,6 +114,7 @@ bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
 
 bool FusionFilter::update_turn(const Eigen::Quaterniond& anchor_from_camera,
                                const Eigen::Matrix3d& covariance) {
+  remember([=](FusionFilter& filter) { filter.update_turn(anchor_from_camera, covariance); });
   const Eigen::Quaterniond from_anchor = state_.world_from_anchor.rotation.conjugate();
   const Eigen::Quaterniond expected = from_anchor * state_.world_from_camera.rotation;
   const Eigen::Matrix3d in_anchor = from_anchor.toRotationMatrix();
@@ -121,6 +126,7 @@ bool FusionFilter::update_turn(const Eigen::Quaterniond& anchor_from_camera,
 }
 
 void FusionFilter::take_keyframe() {
+  remember([](FusionFilter& filter) { filter.take_keyframe(); });
   state_.world_from_keyframe = state_.world_from_camera;
   clone_camera(Index::kKeyframeRotation);
 }

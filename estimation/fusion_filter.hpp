@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -76,7 +78,8 @@ class FusionFilter {
   void add_landmark(const FeatureView& reference, const std::optional<Eigen::Vector2d>& seen = {});
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
   /// gives how many were not. A landmark that is refused too often in a row goes, and the unit is
-  /// settled.
+  /// settled. The 20th and the 40th frame under the first reference take a tenth of a second or two:
+  /// all that was told is gone through again (`FusionConfig::relinearize_start`).
   int update_landmarks(std::span<const FeatureView> seen);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
@@ -118,11 +121,13 @@ class FusionFilter {
     Eigen::Vector2d bearing;
     Eigen::Matrix2d covariance;
   };
-  // what is to be added, and A with A A^T to be taken off P
+  // what is to be added, A with A A^T to be taken off P, and what the views were off by
   struct JointCorrection {
     Eigen::VectorXd error;
     Eigen::MatrixXd A_t;
-    std::optional<std::size_t> stray;  // of the views, one that contradicts the others
+    Eigen::LLT<Eigen::MatrixXd> S;
+    Eigen::VectorXd residual;
+    double squared = 0;  // the residual, by S
   };
   // below the anchor by its height, map units
   struct LowLandmark {
@@ -131,6 +136,13 @@ class FusionFilter {
     double sigma_ratio = 0;  // against the one that is known best, as a share
     [[nodiscard]] bool is_known() const { return sigma_ratio <= 0.03; }
   };
+  // what the filter was told up to a frame, and what it believed of that frame
+  struct ToldFrame {
+    std::vector<std::function<void(FusionFilter&)>> told;
+    std::vector<FeatureView> seen;
+  };
+  using InverseDepths = std::map<int, double>;  // of features
+  struct Retold;
   // landmarks as they would be with the camera for their anchor, and their inverse depths'
   // covariances with the state and with each other
   struct InheritedDepths {
@@ -152,13 +164,20 @@ class FusionFilter {
   void refuse_strays(std::vector<LandmarkView>& views);
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] std::optional<JointCorrection> joint_correction(
-      const std::vector<LandmarkView>& views, const Eigen::Vector3d& turn) const;
+      const std::vector<LandmarkView>& views, const Eigen::VectorXd& offset) const;
   [[nodiscard]] std::optional<JointCorrection> joint_correction(
       const std::vector<LandmarkView>& views);
-  [[nodiscard]] std::optional<std::size_t> stray_among(const Eigen::LLT<Eigen::MatrixXd>& S,
-                                                       const Eigen::VectorXd& residual,
-                                                       double squared) const;
+  [[nodiscard]] std::optional<std::size_t> stray_among(const JointCorrection& views) const;
   bool correct_jointly(std::vector<LandmarkView>& views);
+  void remember(std::function<void(FusionFilter&)> told);
+  void close_frame(std::span<const FeatureView> seen, const std::vector<LandmarkView>& believed);
+  void forget_start() { told_.clear(); }
+  void relinearize_start();
+  [[nodiscard]] std::optional<Retold> relinearized(InverseDepths about) const;
+  [[nodiscard]] Retold retold(InverseDepths& about) const;
+  double retell_views(std::span<const FeatureView> seen, InverseDepths& about);
+  [[nodiscard]] RigidTransform resected(std::span<const FeatureView> seen) const;
+  void adopt(const FusionFilter& again);
   [[nodiscard]] int size() const;
   [[nodiscard]] static int column_of(std::size_t landmark) {
     return FusionIndex::kLandmarks + 3 * static_cast<int>(landmark);
@@ -184,6 +203,7 @@ class FusionFilter {
   [[nodiscard]] Eigen::Matrix3d metric_covariance(int first, const Eigen::Vector3d& value) const;
 
   FusionConfig config_;
+  FusionStart start_;
   FusionState state_;
   Eigen::Vector3d start_in_world_;  // map units
   Eigen::Vector3d start_m_;
@@ -191,6 +211,8 @@ class FusionFilter {
   bool is_first_map_ = true;  // its lengths are what the scale is of
   std::vector<Landmark> landmarks_;
   std::vector<int> dropped_;
+  // since the start, the last frame still open; empty: forgotten
+  std::vector<ToldFrame> told_;
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
 };
 

@@ -139,6 +139,7 @@ Innovation<1> FusionFilter::ground_innovation(const Landmark& landmark, int colu
 // Of its logarithm, in which a wrong unit, however wrong, is one sum. In metres
 //   h = h0 exp(-log_height) + exp(log_scale) up . (p - p_0)
 bool FusionFilter::update_height(double height_m, double sigma_m) {
+  remember([=](FusionFilter& filter) { filter.update_height(height_m, sigma_m); });
   using Row = Eigen::Matrix<double, 1, 1>;
   const Eigen::Vector3d u = up(state_);
   const Eigen::Vector3d way = state_.world_from_camera.translation - start_in_world_;
@@ -161,6 +162,7 @@ bool FusionFilter::update_height(double height_m, double sigma_m) {
 // From the keyframe (R_k, p_k) at the height h_k, to the camera (R, p):
 //   Q = R^T R_k,   t = R^T (p_k - p) / h_k
 bool FusionFilter::update_keyframe_view(const PlaneMotion& seen, const Matrix6d& covariance) {
+  remember([=](FusionFilter& filter) { filter.update_keyframe_view(seen, covariance); });
   const RigidTransform& keyframe = state_.world_from_keyframe;
   const RigidTransform& camera = state_.world_from_camera;
   const Eigen::Vector3d u = up(state_);

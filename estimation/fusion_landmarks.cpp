@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "estimation/fusion_filter.hpp"
 #include "estimation/landmark_model.hpp"
@@ -42,7 +43,9 @@ std::optional<double> FusionFilter::triangulated_inverse_depth(const FeatureView
 void FusionFilter::add_landmark(const FeatureView& reference,
                                 const std::optional<Eigen::Vector2d>& seen) {
   constexpr double kUntold_ratio = 3;
+  remember([=](FusionFilter& filter) { filter.add_landmark(reference, seen); });
   if (static_cast<int>(landmarks_.size()) >= most_landmarks()) return;
+  if (landmark_of(reference.feature)) return;
   const int column = size();
   const int depth = column + 2;
   const double guess = guessed_inverse_depth(reference.bearing);
@@ -91,8 +94,12 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   for (const LandmarkView& view : views) landmarks_[view.landmark].unseen = 0;
   refuse_strays(views);
   const bool is_corrected = !views.empty() && correct_jointly(views);
-  if (is_corrected) blame_strays(views);
+  if (is_corrected) {
+    blame_strays(views);
+    close_frame(seen, views);
+  }
   drop_refused();
+  if (is_corrected) relinearize_start();
   settle_unit();
   return is_corrected ? static_cast<int>(views.size()) : 0;
 }
@@ -207,14 +214,13 @@ void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
 // The view that is furthest from what all others and the prediction say of it, if that is beyond
 // the gate: with x = S^-1 r it is off by e_i = (S^-1)_ii^-1 x_i, of covariance (S^-1)_ii^-1. What
 // is near enough to a vague prediction may be far from what the others leave open. None is further
-// than all together are, `squared`.
-std::optional<std::size_t> FusionFilter::stray_among(const Eigen::LLT<Eigen::MatrixXd>& S,
-                                                     const Eigen::VectorXd& residual,
-                                                     double squared) const {
+// than all together are.
+std::optional<std::size_t> FusionFilter::stray_among(const JointCorrection& views) const {
   double most = 2 * square(config_.gate_sigma);
-  if (squared <= most) return std::nullopt;
-  const Eigen::MatrixXd inverse = S.solve(Eigen::MatrixXd::Identity(S.rows(), S.cols()));
-  const Eigen::VectorXd x = inverse * residual;
+  if (views.squared <= most) return std::nullopt;
+  const Eigen::Index rows = views.residual.size();
+  const Eigen::MatrixXd inverse = views.S.solve(Eigen::MatrixXd::Identity(rows, rows));
+  const Eigen::VectorXd x = inverse * views.residual;
   std::optional<std::size_t> stray;
   for (Eigen::Index row = 0; row < x.size(); row += 2) {
     const Eigen::Vector2d own = x.segment<2>(row);
@@ -226,13 +232,11 @@ std::optional<std::size_t> FusionFilter::stray_among(const Eigen::LLT<Eigen::Mat
   return stray;
 }
 
-// Of the prediction, by all views; the camera is turned by `turn` from it.
+// Of the prediction, by all views; linearised about the state at hand, which is `offset` from it.
 std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
-    const std::vector<LandmarkView>& views, const Eigen::Vector3d& turn) const {
+    const std::vector<LandmarkView>& views, const Eigen::VectorXd& offset) const {
   const int n = size();
   const auto rows = 2 * static_cast<Eigen::Index>(views.size());
-  Eigen::VectorXd turned = Eigen::VectorXd::Zero(n);
-  turned.segment<3>(Index::kRotation) = turn;
   Eigen::MatrixXd PHt(n, rows);
   Eigen::MatrixXd S(rows, rows);
   Eigen::VectorXd residual(rows);
@@ -244,7 +248,7 @@ std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
         state_, landmarks_[view.landmark], column_of(view.landmark), view.bearing, view.covariance);
     if (!innovation) return std::nullopt;
     PHt.middleCols<2>(row) = innovation->H.times_transposed(P_, n);
-    residual.segment<2>(row) = innovation->residual + innovation->H.times(turned);
+    residual.segment<2>(row) = innovation->residual + innovation->H.times(offset);
     innovations.push_back(*innovation);
   }
   for (std::size_t i = 0; i < innovations.size(); ++i) {
@@ -252,13 +256,16 @@ std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
     S.middleRows<2>(row) = innovations[i].H.times(PHt);
     S.block<2, 2>(row, row) += innovations[i].noise;
   }
-  const Eigen::LLT<Eigen::MatrixXd> factor(S);
+  Eigen::LLT<Eigen::MatrixXd> factor(S);
   if (factor.info() != Eigen::Success) return std::nullopt;
-  JointCorrection out{
-      .error = {}, .A_t = factor.matrixL().solve(PHt.transpose()), .stray = std::nullopt};
   const Eigen::VectorXd whitened = factor.matrixL().solve(residual);
+  JointCorrection out{.error = {},
+                      .A_t = factor.matrixL().solve(PHt.transpose()),
+                      .S = {},
+                      .residual = std::move(residual),
+                      .squared = whitened.squaredNorm()};
+  out.S = std::move(factor);
   out.error = out.A_t.transpose() * whitened;
-  out.stray = stray_among(factor, residual, whitened.squaredNorm());
   if (!out.error.allFinite()) return std::nullopt;
   return out;
 }
@@ -272,10 +279,11 @@ std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
   constexpr double kSettled_rad = 1e-3;
   const Eigen::Quaterniond predicted = state_.world_from_camera.rotation;
   std::optional<JointCorrection> correction;
-  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  Eigen::VectorXd offset = Eigen::VectorXd::Zero(size());
+  Eigen::Ref<Eigen::Vector3d> turn = offset.segment<3>(Index::kRotation);
   for (int step = 0; step < kMostSteps; ++step) {
     state_.world_from_camera.rotation = so3_exp(turn) * predicted;
-    correction = joint_correction(views, turn);
+    correction = joint_correction(views, offset);
     if (!correction) break;
     const Eigen::Vector3d next = correction->error.segment<3>(Index::kRotation);
     if ((next - turn).norm() < kSettled_rad) break;
@@ -289,10 +297,11 @@ std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
 bool FusionFilter::correct_jointly(std::vector<LandmarkView>& views) {
   const std::size_t fewest = views.size() / 2;
   std::optional<JointCorrection> correction = joint_correction(views);
-  while (correction && correction->stray) {
-    const auto stray = views.begin() + static_cast<std::ptrdiff_t>(*correction->stray);
-    ++landmarks_[stray->landmark].refused;
-    views.erase(stray);
+  while (correction) {
+    const std::optional<std::size_t> stray = stray_among(*correction);
+    if (!stray) break;
+    ++landmarks_[views[*stray].landmark].refused;
+    views.erase(views.begin() + static_cast<std::ptrdiff_t>(*stray));
     if (views.size() <= fewest) return false;
     correction = joint_correction(views);
   }

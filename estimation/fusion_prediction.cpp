@@ -68,6 +68,7 @@ FusionState moved(const FusionState& state, const InertialStep& step) {
 }  // namespace
 
 void FusionFilter::predict(const InertialStep& step) {
+  remember([=](FusionFilter& filter) { filter.predict(step); });
   const double dt_s = step.dt_s;
   const bool has_gyro = step.angular_rate_rad_s && step.is_gyro;
   const bool has_accel = step.specific_force_m_s2.has_value();

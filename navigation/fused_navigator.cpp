@@ -35,11 +35,11 @@ FusionConfig checked(const NavigatorConfig& navigator) {
 
 FusionConfig fusion_of(const NavigatorConfig& navigator, const InitialState& initial) {
   FusionConfig config = navigator.fusion;
-  // nothing waits for metres that only the IMU will tell: they may come late
-  constexpr double kCareful_s = 5;
+  // nothing waits for metres that only the IMU will tell: they may come late. Relinearised about a
+  // height of which nothing is known the filter is too sure.
   if (initial.scale == ScaleSource::none) {
     config.depth_correlated_frames = std::max(config.depth_correlated_frames, kCarefulFrames);
-    config.scale_correlated_s = std::max(config.scale_correlated_s, kCareful_s);
+    config.relinearize_start = false;
   }
   return config;
 }

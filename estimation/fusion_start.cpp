@@ -1,0 +1,178 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "estimation/fusion_filter.hpp"
+#include "estimation/landmark_model.hpp"
+
+// Of a hover's first pictures way and depths are known together or not at all, and a filter
+// linearises each picture about what it knew by then. Once a few are there, all are gone through
+// again about the depths and the poses that they tell as a whole, until these stay: Gauss and
+// Newton's steps on the whole start (iterated Kalman smoother: Bell 1994).
+namespace stillkite {
+namespace {
+
+using Index = FusionIndex;
+constexpr std::array<std::size_t, 2> kAgainAfterFrames = {20, 40};
+constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
+
+}  // namespace
+
+struct FusionFilter::Retold {
+  FusionFilter filter;
+  double cost = 0;  // sum of the squared innovations of the views
+};
+
+void FusionFilter::remember(std::function<void(FusionFilter&)> told) {
+  if (told_.empty()) return;
+  if (told_.back().told.size() >= kMostToldBetween) return forget_start();
+  told_.back().told.push_back(std::move(told));
+}
+
+void FusionFilter::close_frame(std::span<const FeatureView> seen,
+                               const std::vector<LandmarkView>& believed) {
+  if (told_.empty()) return;
+  for (const LandmarkView& view : believed) {
+    const int feature = landmarks_[view.landmark].feature;
+    const auto found = std::find_if(seen.begin(), seen.end(),
+                                    [&](const FeatureView& v) { return v.feature == feature; });
+    told_.back().seen.push_back(*found);
+  }
+  told_.emplace_back();
+}
+
+void FusionFilter::relinearize_start() {
+  if (told_.empty()) return;
+  const std::size_t frames = told_.size() - 1;
+  if (std::find(kAgainAfterFrames.begin(), kAgainAfterFrames.end(), frames) ==
+      kAgainAfterFrames.end()) {
+    return;
+  }
+  // the nearest answer to the guesses is at times a false one, as is that of the filter itself
+  InverseDepths at_hand;
+  for (const Landmark& landmark : landmarks_) at_hand[landmark.feature] = landmark.inverse_depth;
+  std::optional<Retold> best = relinearized({});
+  std::optional<Retold> other = relinearized(std::move(at_hand));
+  if (!best || (other && other->cost < best->cost)) best = std::move(other);
+  if (best) adopt(best->filter);
+  if (frames == kAgainAfterFrames.back()) forget_start();
+}
+
+// None where the depths do not stay, or put the camera where it could not see.
+std::optional<FusionFilter::Retold> FusionFilter::relinearized(InverseDepths about) const {
+  constexpr int kMostPasses = 8;
+  constexpr double kSettled_sigma = 0.1;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    Retold again = retold(about);
+    bool is_settled = std::isfinite(again.cost);
+    for (std::size_t i = 0; i < again.filter.landmarks_.size(); ++i) {
+      const Landmark& landmark = again.filter.landmarks_[i];
+      const int depth = column_of(i) + 2;
+      double& before = about[landmark.feature];
+      const double step = std::abs(landmark.inverse_depth - before);
+      is_settled = is_settled && step < kSettled_sigma * std::sqrt(again.filter.P_(depth, depth));
+      before = landmark.inverse_depth;
+    }
+    if (is_settled) return again;
+  }
+  return std::nullopt;
+}
+
+// A filter that has been told the same, linearised about depths; where none is given yet about the
+// guess, which is then given.
+FusionFilter::Retold FusionFilter::retold(InverseDepths& about) const {
+  FusionConfig config = config_;
+  config.relinearize_start = false;
+  config.depth_correlated_frames = 0;
+  Retold again{.filter = FusionFilter(config, start_), .cost = 0};
+  for (const ToldFrame& frame : told_) {
+    for (const auto& tell : frame.told) tell(again.filter);
+    if (!frame.seen.empty()) again.cost += again.filter.retell_views(frame.seen, about);
+  }
+  return again;
+}
+
+// Gives what the views were off by, squared, by its covariance; infinite where one cannot be seen.
+double FusionFilter::retell_views(std::span<const FeatureView> seen, InverseDepths& about) {
+  const RigidTransform predicted = state_.world_from_camera;
+  Eigen::VectorXd offset = Eigen::VectorXd::Zero(size());
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+    double& inverse_depth = landmarks_[i].inverse_depth;
+    const double linear = about.try_emplace(landmarks_[i].feature, inverse_depth).first->second;
+    offset[column_of(i) + 2] = linear - inverse_depth;
+    inverse_depth = linear;
+  }
+  state_.world_from_camera = resected(seen);
+  offset.segment<3>(Index::kRotation) =
+      so3_log(state_.world_from_camera.rotation * predicted.rotation.conjugate());
+  offset.segment<3>(Index::kPosition) =
+      state_.world_from_camera.translation - predicted.translation;
+  age_windows(seen);
+  Eigen::VectorXd error = -offset;
+  const auto correction = joint_correction(landmark_views(seen), offset);
+  if (correction) {
+    take_off(correction->A_t);
+    error += correction->error;
+  }
+  inject(error);
+  return correction ? correction->squared : HUGE_VAL;
+}
+
+// Where the depths at hand put the camera, by least squares from the predicted pose.
+RigidTransform FusionFilter::resected(std::span<const FeatureView> seen) const {
+  constexpr int kSteps = 5;
+  constexpr std::size_t kFewest = 6;
+  Eigen::MatrixXd of_pose = Eigen::MatrixXd::Zero(size(), 6);
+  of_pose.topRows<6>().setIdentity();
+  FusionState state = state_;
+  for (int step = 0; step < kSteps; ++step) {
+    Matrix6d N = Matrix6d::Zero();
+    Vector6d b = Vector6d::Zero();
+    std::size_t count = 0;
+    for (const FeatureView& view : seen) {
+      const std::optional<std::size_t> i = landmark_of(view.feature);
+      if (!i) continue;
+      const auto innovation =
+          landmark_innovation(state, landmarks_[*i], column_of(*i), view.bearing, view.covariance);
+      if (!innovation) continue;
+      const Eigen::Matrix<double, 2, 6> H = innovation->H.times(of_pose);
+      const Eigen::Matrix2d weight = view.covariance.inverse();
+      N += H.transpose() * weight * H;
+      b += H.transpose() * weight * innovation->residual;
+      ++count;
+    }
+    const Vector6d x = N.ldlt().solve(b);
+    if (count < kFewest || !x.allFinite()) return state_.world_from_camera;
+    RigidTransform& pose = state.world_from_camera;
+    pose.rotation = (so3_exp(x.head<3>()) * pose.rotation).normalized();
+    pose.translation += x.tail<3>();
+  }
+  return state.world_from_camera;
+}
+
+// Landmarks that have been given up meanwhile are left out. The ground is to be told again.
+void FusionFilter::adopt(const FusionFilter& again) {
+  std::vector<Landmark> at_hand = std::move(landmarks_);
+  state_ = again.state_;
+  P_ = again.P_;
+  start_m_ = again.start_m_;
+  is_height_given_ = again.is_height_given_;
+  landmarks_ = again.landmarks_;
+  for (std::size_t i = landmarks_.size(); i-- > 0;) {
+    Landmark& landmark = landmarks_[i];
+    const auto found = std::find_if(at_hand.begin(), at_hand.end(), [&](const Landmark& l) {
+      return l.feature == landmark.feature;
+    });
+    if (found == at_hand.end()) {
+      remove_landmark(i);
+      continue;
+    }
+    landmark.is_guess = found->is_guess;
+    landmark.is_spare = found->is_spare;
+    landmark.refused = found->refused;
+    landmark.unseen = found->unseen;
+  }
+}
+
+}  // namespace stillkite
