@@ -78,8 +78,8 @@ class FusionFilter {
   void add_landmark(const FeatureView& reference, const std::optional<Eigen::Vector2d>& seen = {});
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
   /// gives how many were not. A landmark that is refused too often in a row goes, and the unit is
-  /// settled. The 20th and the 40th frame under the first reference take a tenth of a second or two:
-  /// all that was told is gone through again (`FusionConfig::relinearize_start`).
+  /// settled. The 20th and the 40th frame under the first reference take a tenth of a second or
+  /// two: all that was told is gone through again (`FusionConfig::relinearize_start`).
   int update_landmarks(std::span<const FeatureView> seen);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose

@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -137,9 +138,9 @@ RigidTransform FusionFilter::resected(std::span<const FeatureView> seen) const {
           landmark_innovation(state, landmarks_[*i], column_of(*i), view.bearing, view.covariance);
       if (!innovation) continue;
       const Eigen::Matrix<double, 2, 6> H = innovation->H.times(of_pose);
-      const Eigen::Matrix2d weight = view.covariance.inverse();
-      N += H.transpose() * weight * H;
-      b += H.transpose() * weight * innovation->residual;
+      const Eigen::Matrix<double, 2, 6> weighted = view.covariance.llt().solve(H);
+      N += H.transpose() * weighted;
+      b += weighted.transpose() * innovation->residual;
       ++count;
     }
     const Vector6d x = N.ldlt().solve(b);

@@ -123,14 +123,19 @@ TEST(FusionFilter, CovarianceIsHonestWithTheFlow) {
   EXPECT_LE(outside_the_band(nees_by_second(scene, config)), 1);
 }
 
-// A speed of which nothing is known times depths that are guessed to 50 %: what no linear step
-// knows of must not be believed, frame after frame. Too careful the filter may be.
-TEST(FusionFilter, IsNotTooSureWhereTheSpeedAtTheStartIsNotKnown) {
+FusionScene hover_of_unknown_speed() {
   FusionScene scene;
   scene.sway_m = 0.1;
   scene.turn_rad = 0.01;
   scene.pixel_sigma_px = 0.2;
   scene.velocity_sigma_m_s = 6;
+  return scene;
+}
+
+// A speed of which nothing is known times depths that are guessed to 50 %: what no linear step
+// knows of must not be believed, frame after frame. Too careful the filter may be.
+TEST(FusionFilter, IsNotTooSureWhereTheSpeedAtTheStartIsNotKnown) {
+  const FusionScene scene = hover_of_unknown_speed();
   FusionConfig config = white_noise();
   config.relinearize_start = false;
   config.depth_correlated_frames = 0;
@@ -144,11 +149,7 @@ TEST(FusionFilter, IsNotTooSureWhereTheSpeedAtTheStartIsNotKnown) {
 TEST(FusionFilter, KnowsItsWayByThePicturesOfTheStartAsAWhole) {
   constexpr int kSeeds = 12;
   constexpr int kFrames = 20;
-  FusionScene scene;
-  scene.sway_m = 0.1;
-  scene.turn_rad = 0.01;
-  scene.pixel_sigma_px = 0.2;
-  scene.velocity_sigma_m_s = 6;
+  const FusionScene scene = hover_of_unknown_speed();
   FusionConfig once = white_noise();
   once.relinearize_start = false;
   double once_m2 = 0;
