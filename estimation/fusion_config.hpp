@@ -11,9 +11,11 @@ inline constexpr double kCarefulFrames = 300;
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
   double pixel_sigma_px = 0.02;
-  double pixel_noise_ratio = 2.0;
+  double pixel_noise_ratio = 1.5;
   double window_error_ratio = 1.0;
   double window_error_way = 0.03;
+  double stray_above_ratio = 2.0;
+  double stray_correlated_frames = 10;
   double gate_sigma = 4.0;
   bool flat_ground = false;
   int landmarks = 48;
@@ -52,6 +54,13 @@ struct FusionConfig {
     field("window_error_way", self.window_error_way, kPositive,
           "over which that becomes another and both variances grow by one of theirs, as a share of "
           "the feature's depth");
+    field(
+        "stray_above_ratio", self.stray_above_ratio, Range{.min = 1},
+        "a landmark whose views are off, squared, by more times what is usual in their frames lies "
+        "where depths meet, or moves");
+    field("stray_correlated_frames", self.stray_correlated_frames, kNotNegative,
+          "frames over which it is off alike; the variance of its views grows by that many times "
+          "what exceeds the ratio");
     field("gate_sigma", self.gate_sigma, kPositive,
           "a measurement further than that from its prediction is left out");
     field("flat_ground", self.flat_ground,

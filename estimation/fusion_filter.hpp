@@ -120,6 +120,12 @@ class FusionFilter {
     std::size_t landmark;
     Eigen::Vector2d bearing;
     Eigen::Matrix2d covariance;
+    Eigen::Matrix2d usual_covariance;  // were it no stray
+  };
+  // what views are off by once corrected, per degree of freedom, and what is usual
+  struct ViewErrors {
+    std::vector<double> squared;
+    double usual = 0;
   };
   // what is to be added, A with A A^T to be taken off P, and what the views were off by
   struct JointCorrection {
@@ -141,7 +147,12 @@ class FusionFilter {
     std::vector<std::function<void(FusionFilter&)>> told;
     std::vector<FeatureView> seen;
   };
-  using InverseDepths = std::map<int, double>;  // of features
+  // what a start is gone through again about
+  struct StartLandmark {
+    double inverse_depth = 0;
+    StrayRatio stray;
+  };
+  using StartLandmarks = std::map<int, StartLandmark>;  // by features
   struct Retold;
   // landmarks as they would be with the camera for their anchor, and their inverse depths'
   // covariances with the state and with each other
@@ -162,6 +173,8 @@ class FusionFilter {
   void age_windows(std::span<const FeatureView> seen);
   [[nodiscard]] std::vector<LandmarkView> landmark_views(std::span<const FeatureView> seen) const;
   void refuse_strays(std::vector<LandmarkView>& views);
+  [[nodiscard]] double stray_growth(const Landmark& landmark) const;
+  [[nodiscard]] ViewErrors view_errors(const std::vector<LandmarkView>& views) const;
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] std::optional<JointCorrection> joint_correction(
       const std::vector<LandmarkView>& views, const Eigen::VectorXd& offset) const;
@@ -173,9 +186,10 @@ class FusionFilter {
   void close_frame(std::span<const FeatureView> seen, const std::vector<LandmarkView>& believed);
   void forget_start() { told_.clear(); }
   void relinearize_start();
-  [[nodiscard]] std::optional<Retold> relinearized(InverseDepths about) const;
-  [[nodiscard]] Retold retold(InverseDepths& about) const;
-  double retell_views(std::span<const FeatureView> seen, InverseDepths& about);
+  [[nodiscard]] std::optional<Retold> relinearized(StartLandmarks about, int weighings) const;
+  [[nodiscard]] StartLandmarks depths_at_hand() const;
+  [[nodiscard]] Retold retold(StartLandmarks& about) const;
+  void retell_views(std::span<const FeatureView> seen, StartLandmarks& about, Retold& again);
   [[nodiscard]] RigidTransform resected(std::span<const FeatureView> seen) const;
   void adopt(const FusionFilter& again);
   [[nodiscard]] int size() const;

@@ -14,6 +14,13 @@ constexpr int kMostRefusals = 5;
 
 }  // namespace
 
+void StrayRatio::add(double ratio) {
+  constexpr double kMost = 12.5;  // no view alone makes a stray
+  constexpr double kForgotten = 0.01;
+  sum_ += (ratio < kMost ? ratio : kMost) - kForgotten * sum_;
+  count_ += 1 - kForgotten * count_;
+}
+
 // The ground, where the line of sight meets it within a dozen heights; else as far as that.
 double FusionFilter::guessed_inverse_depth(const Eigen::Vector2d& bearing) const {
   constexpr double kSteepness = 0.3;
@@ -104,31 +111,41 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   return is_corrected ? static_cast<int>(views.size()) : 0;
 }
 
-// What lies where things at two depths meet moves as no point does, a little: it stays within what
-// the filter is told of a view, but not within what most views of the frame are off by. Where
-// depths are vague they take up nearly all; what is less than a frame's white noise is nobody's
-// fault.
-void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
-  std::vector<double> off;
-  off.reserve(views.size());
+FusionFilter::ViewErrors FusionFilter::view_errors(const std::vector<LandmarkView>& views) const {
+  constexpr double kMedian = 0.693;  // of chi-square with two degrees of freedom, for each
+  constexpr double kLeast = 0.02;
+  ViewErrors errors;
+  errors.squared.reserve(views.size());
   for (const LandmarkView& view : views) {
-    const auto left =
-        landmark_innovation(state_, landmarks_[view.landmark], 0, view.bearing, view.covariance);
-    off.push_back(left ? left->residual.dot(left->noise.llt().solve(left->residual)) : HUGE_VAL);
+    const auto left = landmark_innovation(state_, landmarks_[view.landmark], 0, view.bearing,
+                                          view.usual_covariance);
+    errors.squared.push_back(left ? left->residual.dot(left->noise.llt().solve(left->residual)) / 2
+                                  : HUGE_VAL);
   }
-  std::vector<double> sorted = off;
+  if (views.empty()) return errors;
+  std::vector<double> sorted = errors.squared;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  constexpr double kMedianOfChiSquare = 1.386;  // of two degrees of freedom
-  constexpr double kMost = 12.5;                // beyond it are two of a thousand
+  errors.usual = std::max(*middle / kMedian, kLeast);
+  return errors;
+}
+
+// What lies where things at two depths meet moves as no point does, a little: it stays within what
+// the filter is told of a view, but not within what most views of the frame are off by. It counts
+// for less, and is refused where it is off by much. Where depths are vague they take up nearly all;
+// none is refused for less than a frame's white noise.
+void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
+  constexpr double kMost = 6.25;  // per degree of freedom: beyond it are two of a thousand
+  const ViewErrors errors = view_errors(views);
   const double white = 1 / square(std::max(config_.pixel_noise_ratio, 1.0));
-  const double most = kMost * std::max(*middle / kMedianOfChiSquare, white);
+  const double most = kMost * std::max(errors.usual, white);
   for (std::size_t i = 0; i < views.size(); ++i) {
     Landmark& landmark = landmarks_[views[i].landmark];
     const int depth = column_of(views[i].landmark) + 2;
     const bool is_behind =
         landmark.inverse_depth < 0 && square(landmark.inverse_depth) > 4 * P_(depth, depth);
-    landmark.refused = off[i] > most || is_behind ? landmark.refused + 1 : 0;
+    landmark.stray.add(errors.squared[i] / errors.usual);
+    landmark.refused = errors.squared[i] > most || is_behind ? landmark.refused + 1 : 0;
   }
 }
 
@@ -150,6 +167,12 @@ std::optional<std::size_t> FusionFilter::landmark_of(int feature) const {
 // less it looks the same.
 double FusionFilter::window_growth(const Landmark& landmark) const {
   return 1 + landmark.way.norm() / config_.window_error_way;
+}
+
+// Of the variance of a stray's view: it is off by more, and alike in frame after frame.
+double FusionFilter::stray_growth(const Landmark& landmark) const {
+  const double more = std::max(0.0, landmark.stray.value() - config_.stray_above_ratio);
+  return 1 + config_.stray_correlated_frames * more;
 }
 
 // What a window is off by lasts while the camera stays where it is, and is another elsewhere: a
@@ -184,12 +207,15 @@ std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
   for (const FeatureView& view : seen) {
     const std::optional<std::size_t> i = landmark_of(view.feature);
     if (!i) continue;
+    const Landmark& landmark = landmarks_[*i];
     const int depth = column_of(*i) + 2;
-    views.push_back(
-        {.landmark = *i,
-         .bearing = view.bearing,
-         .covariance = window_growth(landmarks_[*i]) * view.covariance +
-                       product_covariance(state_, landmarks_[*i], lasting_way, P_(depth, depth))});
+    const Eigen::Matrix2d usual = window_growth(landmark) * view.covariance;
+    const Eigen::Matrix2d product =
+        product_covariance(state_, landmark, lasting_way, P_(depth, depth));
+    views.push_back({.landmark = *i,
+                     .bearing = view.bearing,
+                     .covariance = stray_growth(landmark) * usual + product,
+                     .usual_covariance = usual + product});
   }
   return views;
 }

@@ -16,6 +16,7 @@ namespace {
 
 using Index = FusionIndex;
 constexpr std::array<std::size_t, 2> kAgainAfterFrames = {20, 40};
+constexpr int kWeighings = 4;
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
 
 }  // namespace
@@ -23,6 +24,7 @@ constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
 struct FusionFilter::Retold {
   FusionFilter filter;
   double cost = 0;  // sum of the squared innovations of the views
+  std::map<int, StrayRatio> strays;
 };
 
 void FusionFilter::remember(std::function<void(FusionFilter&)> told) {
@@ -51,29 +53,40 @@ void FusionFilter::relinearize_start() {
     return;
   }
   // the nearest answer to the guesses is at times a false one, as is that of the filter itself
-  InverseDepths at_hand;
-  for (const Landmark& landmark : landmarks_) at_hand[landmark.feature] = landmark.inverse_depth;
-  std::optional<Retold> best = relinearized({});
-  std::optional<Retold> other = relinearized(std::move(at_hand));
+  std::optional<Retold> best = relinearized({}, 0);
+  std::optional<Retold> other = relinearized(depths_at_hand(), 0);
   if (!best || (other && other->cost < best->cost)) best = std::move(other);
+  if (best) best = relinearized(best->filter.depths_at_hand(), kWeighings);
   if (best) adopt(best->filter);
   if (frames == kAgainAfterFrames.back()) forget_start();
 }
 
-// None where the depths do not stay, or put the camera where it could not see.
-std::optional<FusionFilter::Retold> FusionFilter::relinearized(InverseDepths about) const {
+FusionFilter::StartLandmarks FusionFilter::depths_at_hand() const {
+  StartLandmarks landmarks;
+  for (const Landmark& landmark : landmarks_) {
+    landmarks[landmark.feature].inverse_depth = landmark.inverse_depth;
+  }
+  return landmarks;
+}
+
+// In as many passes as `weighings` each landmark is weighed by what its views were off by in the
+// pass before, then no more. None where the depths do not stay, or put the camera where it could
+// not see.
+std::optional<FusionFilter::Retold> FusionFilter::relinearized(StartLandmarks about,
+                                                               int weighings) const {
   constexpr int kMostPasses = 8;
   constexpr double kSettled_sigma = 0.1;
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < weighings + kMostPasses; ++pass) {
     Retold again = retold(about);
-    bool is_settled = std::isfinite(again.cost);
+    bool is_settled = std::isfinite(again.cost) && pass >= weighings;
     for (std::size_t i = 0; i < again.filter.landmarks_.size(); ++i) {
       const Landmark& landmark = again.filter.landmarks_[i];
       const int depth = column_of(i) + 2;
-      double& before = about[landmark.feature];
-      const double step = std::abs(landmark.inverse_depth - before);
+      StartLandmark& before = about[landmark.feature];
+      const double step = std::abs(landmark.inverse_depth - before.inverse_depth);
       is_settled = is_settled && step < kSettled_sigma * std::sqrt(again.filter.P_(depth, depth));
-      before = landmark.inverse_depth;
+      before.inverse_depth = landmark.inverse_depth;
+      if (pass < weighings) before.stray = landmark.stray;
     }
     if (is_settled) return again;
   }
@@ -82,27 +95,34 @@ std::optional<FusionFilter::Retold> FusionFilter::relinearized(InverseDepths abo
 
 // A filter that has been told the same, linearised about depths; where none is given yet about the
 // guess, which is then given.
-FusionFilter::Retold FusionFilter::retold(InverseDepths& about) const {
+FusionFilter::Retold FusionFilter::retold(StartLandmarks& about) const {
   FusionConfig config = config_;
   config.relinearize_start = false;
   config.depth_correlated_frames = 0;
-  Retold again{.filter = FusionFilter(config, start_), .cost = 0};
+  Retold again{.filter = FusionFilter(config, start_), .cost = 0, .strays = {}};
   for (const ToldFrame& frame : told_) {
     for (const auto& tell : frame.told) tell(again.filter);
-    if (!frame.seen.empty()) again.cost += again.filter.retell_views(frame.seen, about);
+    if (!frame.seen.empty()) again.filter.retell_views(frame.seen, about, again);
+  }
+  for (Landmark& landmark : again.filter.landmarks_) {
+    landmark.stray = again.strays[landmark.feature];
   }
   return again;
 }
 
-// Gives what the views were off by, squared, by its covariance; infinite where one cannot be seen.
-double FusionFilter::retell_views(std::span<const FeatureView> seen, InverseDepths& about) {
+// Adds what the views were off by; infinite where one cannot be seen.
+void FusionFilter::retell_views(std::span<const FeatureView> seen, StartLandmarks& about,
+                                Retold& again) {
   const RigidTransform predicted = state_.world_from_camera;
   Eigen::VectorXd offset = Eigen::VectorXd::Zero(size());
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    double& inverse_depth = landmarks_[i].inverse_depth;
-    const double linear = about.try_emplace(landmarks_[i].feature, inverse_depth).first->second;
-    offset[column_of(i) + 2] = linear - inverse_depth;
-    inverse_depth = linear;
+    Landmark& landmark = landmarks_[i];
+    const StartLandmark& linear =
+        about.try_emplace(landmark.feature, StartLandmark{landmark.inverse_depth, {}})
+            .first->second;
+    offset[column_of(i) + 2] = linear.inverse_depth - landmark.inverse_depth;
+    landmark.inverse_depth = linear.inverse_depth;
+    landmark.stray = linear.stray;
   }
   state_.world_from_camera = resected(seen);
   offset.segment<3>(Index::kRotation) =
@@ -111,13 +131,18 @@ double FusionFilter::retell_views(std::span<const FeatureView> seen, InverseDept
       state_.world_from_camera.translation - predicted.translation;
   age_windows(seen);
   Eigen::VectorXd error = -offset;
-  const auto correction = joint_correction(landmark_views(seen), offset);
+  const std::vector<LandmarkView> views = landmark_views(seen);
+  const auto correction = joint_correction(views, offset);
   if (correction) {
     take_off(correction->A_t);
     error += correction->error;
   }
   inject(error);
-  return correction ? correction->squared : HUGE_VAL;
+  again.cost += correction ? correction->squared : HUGE_VAL;
+  const ViewErrors errors = view_errors(views);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    again.strays[landmarks_[views[i].landmark].feature].add(errors.squared[i] / errors.usual);
+  }
 }
 
 // Where the depths at hand put the camera, by least squares from the predicted pose.

@@ -125,6 +125,7 @@ std::vector<FeatureView> FusionSimulation::landmark_views() {
     Eigen::Vector2d bearing = (camera_from_world * points_[i]).hnormalized();
     if (i == 0 && scene_.first_moves_backwards) bearing = 2 * first_bearing_ - bearing;
     if (i == 0) bearing.x() += first_shift_px_ / scene_.focal_px;
+    bearing += stray_error_px(i) / scene_.focal_px;
     if (scene_.window_error_ratio > 0) bearing += window_error_px(i) / scene_.focal_px;
     seen.push_back({static_cast<int>(i), bearing + noise * Eigen::Vector2d(normal(), normal()),
                     sigma * sigma * Eigen::Matrix2d::Identity()});
@@ -132,12 +133,23 @@ std::vector<FeatureView> FusionSimulation::landmark_views() {
   return seen;
 }
 
+Eigen::Vector3d FusionSimulation::way_in_depths(std::size_t i) const {
+  const RigidTransform anchor = truth_at(anchor_s_).world_from_camera;
+  return (truth().world_from_camera.translation - anchor.translation) /
+         (anchor.inverse() * points_[i]).z();
+}
+
+Eigen::Vector2d FusionSimulation::stray_error_px(std::size_t i) const {
+  constexpr double kGoldenAngle_rad = 2.4;
+  if (i >= static_cast<std::size_t>(scene_.strays)) return Eigen::Vector2d::Zero();
+  const double to = kGoldenAngle_rad * static_cast<double>(i);
+  return 10 * way_in_depths(i).norm() * scene_.stray_px *
+         Eigen::Vector2d(std::cos(to), std::sin(to));
+}
+
 // Beside the white noise: what lasts, and what is new but grows with it.
 Eigen::Vector2d FusionSimulation::window_error_px(std::size_t i) {
-  const RigidTransform anchor = truth_at(anchor_s_).world_from_camera;
-  const double depth_m = (anchor.inverse() * points_[i]).z();
-  const Eigen::Vector3d way =
-      (truth().world_from_camera.translation - anchor.translation) / depth_m;
+  const Eigen::Vector3d way = way_in_depths(i);
   Window& window = windows_[i];
   const double kept = std::exp(-(way - window.way).norm() / scene_.window_error_way);
   window.way = way;

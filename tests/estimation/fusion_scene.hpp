@@ -19,6 +19,8 @@ struct FusionScene {
   double window_error_ratio = 0;       ///< of what windows are off by to the noise, both growing
   double window_error_way = 0.1;       ///< as FusionConfig's
   bool first_moves_backwards = false;  ///< landmark 0 shifts as if it were behind the camera
+  int strays = 0;                      ///< so many landmarks are no points
+  double stray_px = 0;  ///< each is off to its own side by that, a tenth of its depth away
   double focal_px = 480;
   double velocity_sigma_m_s = 1e-3;  ///< at the start, as the filter is told; it is at rest
   double log_unit_sigma = 0;         ///< as the filter is told
@@ -79,6 +81,8 @@ class FusionSimulation {
   void see_ground();
   [[nodiscard]] std::vector<FeatureView> landmark_views();
   Eigen::Vector2d window_error_px(std::size_t i);
+  [[nodiscard]] Eigen::Vector2d stray_error_px(std::size_t i) const;
+  [[nodiscard]] Eigen::Vector3d way_in_depths(std::size_t i) const;
   void renew_anchor();
   Eigen::Vector3d add_point(int feature, double error_log);
   [[nodiscard]] double normal() { return normal_(engine_); }
