@@ -140,7 +140,7 @@ class FusionFilter {
     std::size_t landmark = 0;
     double height = 0;
     double sigma_ratio = 0;  // against the one that is known best, as a share
-    [[nodiscard]] bool is_known() const { return sigma_ratio <= 0.03; }
+    [[nodiscard]] bool is_known() const { return sigma_ratio <= 0.05; }
   };
   // what the filter was told up to a frame, and what it believed of that frame
   struct ToldFrame {
@@ -202,6 +202,7 @@ class FusionFilter {
   [[nodiscard]] std::optional<Eigen::VectorXd> unit_of_depths() const;
   [[nodiscard]] std::vector<LowLandmark> landmarks_below() const;
   [[nodiscard]] static std::optional<double> ground_level(const std::vector<LowLandmark>& below);
+  void doubt_level(const std::vector<LowLandmark>& on_level);
   [[nodiscard]] SparseRows<1> height_row(const Landmark& landmark, int column, double factor) const;
   [[nodiscard]] Innovation<1> ground_innovation(const Landmark& landmark, int column) const;
   void clone_camera(int first);

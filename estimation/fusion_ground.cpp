@@ -88,17 +88,37 @@ std::optional<double> FusionFilter::ground_level(const std::vector<LowLandmark>&
   return lower <= kStray ? level : std::nullopt;
 }
 
+// Of landmarks that are off, those that look lowest are chosen for the first ground: what they are
+// off by is not independent, and as much the height over it is not known.
+void FusionFilter::doubt_level(const std::vector<LowLandmark>& on_level) {
+  if (std::any_of(landmarks_.begin(), landmarks_.end(),
+                  [](const Landmark& l) { return l.is_on_ground; })) {
+    return;
+  }
+  double variance = 0;
+  for (const LowLandmark& low : on_level) {
+    variance += square(low.sigma_ratio) / static_cast<double>(on_level.size());
+  }
+  P_(Index::kHeight, Index::kHeight) += variance;
+}
+
 int FusionFilter::update_ground(bool is_flat) {
-  // 1. Landmarks below the camera, and the ground's level: where it is flat they are all on it.
-  const std::vector<LowLandmark> below = landmarks_below();
-  const std::optional<double> level = is_flat ? std::nullopt : ground_level(below);
-  if (!is_flat && !level) return 0;
+  // 1. Landmarks below the camera; where it is flat they are all on the ground, else those of the
+  //    lowest level.
+  std::vector<LowLandmark> ground = landmarks_below();
+  if (!is_flat) {
+    const std::optional<double> level = ground_level(ground);
+    if (!level) return 0;
+    std::erase_if(ground, [&](const LowLandmark& low) {
+      return !low.is_known() || !is_on_level(low.height, *level);
+    });
+    doubt_level(ground);
+  }
   // 2. So high the anchor is, by what is known of the start and the way since.
   int count = 0;
-  for (const LowLandmark& low : below) {
+  for (const LowLandmark& low : ground) {
     Landmark& landmark = landmarks_[low.landmark];
-    const bool is_on_it = is_flat || (low.is_known() && is_on_level(low.height, *level));
-    if (landmark.is_on_ground || !is_on_it) continue;
+    if (landmark.is_on_ground) continue;
     landmark.is_on_ground = correct(ground_innovation(landmark, column_of(low.landmark)));
     if (landmark.is_on_ground) ++count;
   }

@@ -212,6 +212,17 @@ TEST(FusionFilter, TakesNoTableForTheGround) {
   }
 }
 
+// The lowest of nine that are off by 3 % each look lower than the ground is: they do not tell the
+// scale to 1 %, as nine independent ones would.
+TEST(FusionFilter, CountsThatTheLowestWereChosen) {
+  const auto scale_variance = [](double sigma_ratio) {
+    FusionFilter filter = filter_with(std::vector<LowPoint>(9, {3, sigma_ratio}));
+    EXPECT_EQ(filter.update_ground(false), 9);
+    return square(filter.scale_sigma());
+  };
+  EXPECT_GT(std::sqrt(scale_variance(0.03) - scale_variance(0.001)), 0.03);
+}
+
 // Of a start whose height is known the flow's view gives the way in metres, whatever the camera has
 // done meanwhile, and after a new keyframe again.
 TEST(FusionFilter, TheGroundTellsTheWayInHeights) {
