@@ -78,8 +78,8 @@ class FusionFilter {
   void add_landmark(const FeatureView& reference, const std::optional<Eigen::Vector2d>& seen = {});
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
   /// gives how many were not. A landmark that is refused too often in a row goes, and the unit is
-  /// settled. The 20th and the 40th frame under the first reference take a tenth of a second or
-  /// two: all that was told is gone through again (`FusionConfig::relinearize_start`).
+  /// settled. From the 20th and the 40th frame under the first reference on some take ten times as
+  /// long: all that was told is gone through again (`FusionConfig::relinearize_start`).
   int update_landmarks(std::span<const FeatureView> seen);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
@@ -153,6 +153,12 @@ class FusionFilter {
     StrayRatio stray;
   };
   using StartLandmarks = std::map<int, StartLandmark>;  // by features
+  struct StartPasses {
+    StartLandmarks about = {};
+    int weighings = 0;
+    int done = 0;
+    bool is_settled = false;
+  };
   struct Retold;
   // landmarks as they would be with the camera for their anchor, and their inverse depths'
   // covariances with the state and with each other
@@ -184,11 +190,12 @@ class FusionFilter {
   bool correct_jointly(std::vector<LandmarkView>& views);
   void remember(std::function<void(FusionFilter&)> told);
   void close_frame(std::span<const FeatureView> seen, const std::vector<LandmarkView>& believed);
-  void forget_start() { told_.clear(); }
+  void forget_start();
+  void begin_passes(std::size_t frames);
   void relinearize_start();
-  [[nodiscard]] std::optional<Retold> relinearized(StartLandmarks about, int weighings) const;
-  [[nodiscard]] StartLandmarks depths_at_hand() const;
-  [[nodiscard]] Retold retold(StartLandmarks& about) const;
+  [[nodiscard]] StartLandmarks landmarks_at_hand() const;
+  [[nodiscard]] Retold next_pass(StartPasses& passes) const;
+  [[nodiscard]] Retold retold_about(StartLandmarks& about, std::size_t frames) const;
   void retell_views(std::span<const FeatureView> seen, StartLandmarks& about, Retold& again);
   [[nodiscard]] RigidTransform resected(std::span<const FeatureView> seen) const;
   void adopt(const FusionFilter& again);
@@ -228,6 +235,9 @@ class FusionFilter {
   std::vector<int> dropped_;
   // since the start, the last frame still open; empty: forgotten
   std::vector<ToldFrame> told_;
+  std::vector<StartPasses> passes_;  // while the start is gone through again
+  std::size_t passes_frames_ = 0;    // so much of it
+  bool is_relinearized_ = false;
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
 };
 

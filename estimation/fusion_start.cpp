@@ -1,6 +1,5 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -15,8 +14,10 @@ namespace stillkite {
 namespace {
 
 using Index = FusionIndex;
-constexpr std::array<std::size_t, 2> kAgainAfterFrames = {20, 40};
-constexpr int kWeighings = 4;
+constexpr std::size_t kFirstFrames = 20;
+constexpr std::size_t kLastFrames = 40;
+constexpr int kMostPasses = 8;
+constexpr int kWeighings = 2;
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
 
 }  // namespace
@@ -45,64 +46,90 @@ void FusionFilter::close_frame(std::span<const FeatureView> seen,
   told_.emplace_back();
 }
 
+void FusionFilter::forget_start() {
+  told_.clear();
+  passes_.clear();
+}
+
+// The nearest answer to the guesses is at times a false one, as is that of the filter itself.
+void FusionFilter::begin_passes(std::size_t frames) {
+  passes_frames_ = frames;
+  if (is_relinearized_) {
+    passes_ = {StartPasses{.about = landmarks_at_hand(), .weighings = kWeighings}};
+    return;
+  }
+  StartLandmarks depths = landmarks_at_hand();
+  for (auto& [feature, landmark] : depths) landmark.stray = {};
+  passes_ = {StartPasses{}, StartPasses{.about = std::move(depths)}};
+}
+
 void FusionFilter::relinearize_start() {
   if (told_.empty()) return;
   const std::size_t frames = told_.size() - 1;
-  if (std::find(kAgainAfterFrames.begin(), kAgainAfterFrames.end(), frames) ==
-      kAgainAfterFrames.end()) {
-    return;
+  if (frames == kFirstFrames || frames == kLastFrames) begin_passes(frames);
+  if (passes_.empty()) return;
+  // 1. A pass a frame; all of them together would take as long as several frames.
+  std::vector<Retold> retold;
+  for (StartPasses& passes : passes_) retold.push_back(next_pass(passes));
+  const bool is_over = std::all_of(passes_.begin(), passes_.end(), [](const StartPasses& p) {
+    return p.is_settled || p.done >= p.weighings + kMostPasses;
+  });
+  if (!is_over) return;
+  // 2. The better one goes on with weights, and then takes the place of what is at hand.
+  const Retold* best = nullptr;
+  for (std::size_t i = 0; i < passes_.size(); ++i) {
+    if (!passes_[i].is_settled || (best && best->cost <= retold[i].cost)) continue;
+    best = &retold[i];
   }
-  // the nearest answer to the guesses is at times a false one, as is that of the filter itself
-  std::optional<Retold> best = relinearized({}, 0);
-  std::optional<Retold> other = relinearized(depths_at_hand(), 0);
-  if (!best || (other && other->cost < best->cost)) best = std::move(other);
-  if (best) best = relinearized(best->filter.depths_at_hand(), kWeighings);
-  if (best) adopt(best->filter);
-  if (frames == kAgainAfterFrames.back()) forget_start();
+  const bool is_weighed = passes_.front().weighings > 0;
+  passes_.clear();
+  if (best && !is_weighed) {
+    passes_ = {StartPasses{.about = best->filter.landmarks_at_hand(), .weighings = kWeighings}};
+  } else if (best) {
+    StartLandmarks about = best->filter.landmarks_at_hand();
+    adopt(retold_about(about, frames).filter);
+    is_relinearized_ = true;
+  }
+  if (passes_.empty() && frames >= kLastFrames) forget_start();
 }
 
-FusionFilter::StartLandmarks FusionFilter::depths_at_hand() const {
+FusionFilter::StartLandmarks FusionFilter::landmarks_at_hand() const {
   StartLandmarks landmarks;
-  for (const Landmark& landmark : landmarks_) {
-    landmarks[landmark.feature].inverse_depth = landmark.inverse_depth;
-  }
+  for (const Landmark& l : landmarks_) landmarks[l.feature] = {l.inverse_depth, l.stray};
   return landmarks;
 }
 
-// In as many passes as `weighings` each landmark is weighed by what its views were off by in the
-// pass before, then no more. None where the depths do not stay, or put the camera where it could
-// not see.
-std::optional<FusionFilter::Retold> FusionFilter::relinearized(StartLandmarks about,
-                                                               int weighings) const {
-  constexpr int kMostPasses = 8;
+// Settled once no depth moves, where all are in view. In the first passes, as many as `weighings`,
+// each landmark is weighed by what its views were off by in the one before.
+FusionFilter::Retold FusionFilter::next_pass(StartPasses& passes) const {
   constexpr double kSettled_sigma = 0.1;
-  for (int pass = 0; pass < weighings + kMostPasses; ++pass) {
-    Retold again = retold(about);
-    bool is_settled = std::isfinite(again.cost) && pass >= weighings;
-    for (std::size_t i = 0; i < again.filter.landmarks_.size(); ++i) {
-      const Landmark& landmark = again.filter.landmarks_[i];
-      const int depth = column_of(i) + 2;
-      StartLandmark& before = about[landmark.feature];
-      const double step = std::abs(landmark.inverse_depth - before.inverse_depth);
-      is_settled = is_settled && step < kSettled_sigma * std::sqrt(again.filter.P_(depth, depth));
-      before.inverse_depth = landmark.inverse_depth;
-      if (pass < weighings) before.stray = landmark.stray;
+  Retold again = retold_about(passes.about, passes_frames_);
+  const bool weighs = passes.done++ < passes.weighings;
+  passes.is_settled = std::isfinite(again.cost) && !weighs;
+  for (std::size_t i = 0; i < again.filter.landmarks_.size(); ++i) {
+    const Landmark& landmark = again.filter.landmarks_[i];
+    const int depth = column_of(i) + 2;
+    StartLandmark& before = passes.about[landmark.feature];
+    if (std::abs(landmark.inverse_depth - before.inverse_depth) >=
+        kSettled_sigma * std::sqrt(again.filter.P_(depth, depth))) {
+      passes.is_settled = false;
     }
-    if (is_settled) return again;
+    before.inverse_depth = landmark.inverse_depth;
+    if (weighs) before.stray = landmark.stray;
   }
-  return std::nullopt;
+  return again;
 }
 
-// A filter that has been told the same, linearised about depths; where none is given yet about the
-// guess, which is then given.
-FusionFilter::Retold FusionFilter::retold(StartLandmarks& about) const {
+// A filter that has been told the same up to a frame, linearised about depths; where none is given
+// yet about the guess, which is then given.
+FusionFilter::Retold FusionFilter::retold_about(StartLandmarks& about, std::size_t frames) const {
   FusionConfig config = config_;
   config.relinearize_start = false;
   config.depth_correlated_frames = 0;
   Retold again{.filter = FusionFilter(config, start_), .cost = 0, .strays = {}};
-  for (const ToldFrame& frame : told_) {
-    for (const auto& tell : frame.told) tell(again.filter);
-    if (!frame.seen.empty()) again.filter.retell_views(frame.seen, about, again);
+  for (std::size_t i = 0; i < frames; ++i) {
+    for (const auto& tell : told_[i].told) tell(again.filter);
+    again.filter.retell_views(told_[i].seen, about, again);
   }
   for (Landmark& landmark : again.filter.landmarks_) {
     landmark.stray = again.strays[landmark.feature];
