@@ -28,7 +28,7 @@ Gains closed_form(double lambda) {
   return {1 - s * s, lambda * s};
 }
 
-constexpr double kFrame_s = 0.04;
+constexpr double kStep_s = 0.04;
 constexpr MotionFilterConfig kConfig{.acceleration_density = 0.5,
                                      .angular_acceleration_density = 0.2};
 
@@ -41,7 +41,7 @@ MotionFilter settled(double position_sigma_m, double angle_sigma_rad) {
   covariance.diagonal().head<3>().setConstant(position_sigma_m * position_sigma_m);
   covariance.diagonal().tail<3>().setConstant(angle_sigma_rad * angle_sigma_rad);
   for (int k = 0; k < 5000; ++k) {
-    filter.predict(kFrame_s);
+    filter.predict(kStep_s);
     filter.update(pose, covariance);
   }
   return filter;
@@ -51,10 +51,10 @@ void expect_closed_form(double position_variance, double velocity_variance, doub
                         double density) {
   const double R = sigma * sigma;
   const double q = density * density;
-  const Gains gains = closed_form(std::sqrt(q * kFrame_s * kFrame_s * kFrame_s / R));
+  const Gains gains = closed_form(std::sqrt(q * kStep_s * kStep_s * kStep_s / R));
   EXPECT_NEAR(position_variance / (gains.alpha * R), 1, 1e-9);
   const double expected =
-      R * gains.alpha * gains.beta / (kFrame_s * kFrame_s * (1 - gains.alpha)) - 0.5 * q * kFrame_s;
+      R * gains.alpha * gains.beta / (kStep_s * kStep_s * (1 - gains.alpha)) - 0.5 * q * kStep_s;
   EXPECT_NEAR(velocity_variance / expected, 1, 1e-9);
 }
 
@@ -107,26 +107,26 @@ TEST(MotionFilterMeanTwist, ErrsAsItsCovarianceSays) {
   for (int k = 0; k < 3000; ++k) {
     // velocity and way gained by white acceleration have correlation sqrt(3) / 2
     const auto gain = [&](double density) {
-      const Eigen::Vector3d speed = noise(density * std::sqrt(kFrame_s));
-      const Eigen::Vector3d rest = noise(density * std::sqrt(kFrame_s / 12));
-      return std::pair{speed, Eigen::Vector3d(kFrame_s * (0.5 * speed + rest))};
+      const Eigen::Vector3d speed = noise(density * std::sqrt(kStep_s));
+      const Eigen::Vector3d rest = noise(density * std::sqrt(kStep_s / 12));
+      return std::pair{speed, Eigen::Vector3d(kStep_s * (0.5 * speed + rest))};
     };
     const auto [more_velocity, more_way] = gain(kConfig.acceleration_density);
     const auto [more_rate, more_turn] = gain(kConfig.angular_acceleration_density);
-    const Eigen::Vector3d way = velocity * kFrame_s + more_way;
-    const Eigen::Vector3d turn = rate * kFrame_s + more_turn;
+    const Eigen::Vector3d way = velocity * kStep_s + more_way;
+    const Eigen::Vector3d turn = rate * kStep_s + more_turn;
     const Eigen::Quaterniond half_way = truth.rotation * so3_exp(0.5 * turn);
     truth = {truth.rotation * so3_exp(turn), truth.translation + way};
     velocity += more_velocity;
     rate += more_rate;
 
-    filter.predict(kFrame_s);
+    filter.predict(kStep_s);
     filter.update(
         {so3_exp(noise(kSigma_rad)) * truth.rotation, truth.translation + noise(kSigma_m)},
         covariance);
     Vector6d error = filter.mean_twist_in_camera().vector();
-    error.head<3>() -= half_way.conjugate() * way / kFrame_s;
-    error.tail<3>() -= turn / kFrame_s;
+    error.head<3>() -= half_way.conjugate() * way / kStep_s;
+    error.tail<3>() -= turn / kStep_s;
     if (k < 50) continue;
     nees += error.dot(filter.mean_twist_covariance().ldlt().solve(error));
     ++count;
@@ -137,9 +137,9 @@ TEST(MotionFilterMeanTwist, ErrsAsItsCovarianceSays) {
 TEST(MotionFilterMeanTwist, CovarianceOutlivesANewOriginAndTurnsWithTheWorld) {
   MotionFilter filter(kConfig);
   filter.start({so3_exp({0.4, -1.0, 0.3}), {1, 2, 3}}, 5, 1);
-  filter.predict(kFrame_s);
+  filter.predict(kStep_s);
   filter.update(filter.pose(), 1e-4 * Matrix6d::Identity());
-  filter.predict(kFrame_s);
+  filter.predict(kStep_s);
   const Matrix6d before = filter.mean_twist_covariance();
   filter.take_as_origin();
   filter.transform_world({so3_exp({1, 2, -0.5}), {4, 5, 6}});
