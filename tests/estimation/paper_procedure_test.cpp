@@ -95,7 +95,7 @@ struct Handicap {
 };
 
 EndError fly(const Handicap& handicap) {
-  constexpr double kStep_s = 1 / 25.0;
+  constexpr double kFrame_s = 1 / 25.0;
   constexpr int kFrames = 3750;
   const RigidTransform body_from_camera{kBodyFromCamera, Eigen::Vector3d::Zero()};
   EgoMotionSolver solver(kPaperCamera, {.weighting = Weighting::plain});
@@ -106,24 +106,24 @@ EndError fly(const Handicap& handicap) {
   state.fill({0, 1});
   for (int k = 0; k < kFrames; ++k) {
     const std::vector<FlowWindow> windows =
-        exact_flow(kPaperCamera, flown_pose(k * kStep_s) * body_from_camera,
-                   flown_pose((k + 1) * kStep_s) * body_from_camera);
+        exact_flow(kPaperCamera, flown_pose(k * kFrame_s) * body_from_camera,
+                   flown_pose((k + 1) * kFrame_s) * body_from_camera);
     RigidTransform world_from_camera = world_from_body * body_from_camera;
     if (handicap.nadir) {
       const double yaw_rad = to_euler(world_from_body.rotation).yaw_rad;
       world_from_camera.rotation = to_quaternion({.yaw_rad = yaw_rad}) * kBodyFromCamera;
     }
-    const EgoMotion motion = solver.solve(windows, ground_seen_from(world_from_camera), kStep_s);
+    const EgoMotion motion = solver.solve(windows, ground_seen_from(world_from_camera), kFrame_s);
     EXPECT_EQ(motion.verdict, Verdict::ok);
     state = filter_axes({}, state,
                         in_filter_axes(motion.twist, motion.covariance, world_from_camera.rotation),
-                        Vector6d::Zero(), kStep_s);
+                        Vector6d::Zero(), kFrame_s);
     const Eigen::Vector3d velocity(state[0].value, state[1].value, state[2].value);
     const Eigen::Vector3d rate(state[3].value, state[4].value, state[5].value);
     world_from_body = integrate_euler(world_from_body, velocity, kBodyFromCamera * rate,
-                                      Vector6d::Zero(), kStep_s);
+                                      Vector6d::Zero(), kFrame_s);
   }
-  const RigidTransform truth = flown_pose(kFrames * kStep_s);
+  const RigidTransform truth = flown_pose(kFrames * kFrame_s);
   const Eigen::Vector3d error = world_from_body.translation - truth.translation;
   return {error.head<2>().norm(), error.z(),
           angle_between_rad(world_from_body.rotation, truth.rotation)};
