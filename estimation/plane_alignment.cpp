@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stillkite {
 namespace {
@@ -34,6 +35,7 @@ PlaneAligner::PlaneAligner(const Camera& camera, const PlaneAlignmentConfig& con
     Level level{at,
                 make_tile_grid(at.width_px, at.height_px, config.tile_columns, config.tile_rows),
                 {},
+                {},
                 {}};
     level.rays = make_tile_rays(at, level.grid);
     for (std::size_t k = 0; k < level.grid.centre_x_px.size(); ++k) {
@@ -51,15 +53,19 @@ PlaneObservations PlaneAligner::observations(const Level& level) const {
           static_cast<float>(level.grid.columns * level.grid.rows)};
 }
 
-PlaneAlignment PlaneAligner::align(const Pyramid& reference, const Pyramid& current,
-                                   const PlaneMotion& guess, const TiltPrior& tilt,
-                                   const RollingShutter& shutter) {
+void PlaneAligner::set_reference(Pyramid& pyramid) {
+  std::swap(reference_, pyramid);
+  for (Level& level : levels_) level.textures.forget(level.grid);
+}
+
+PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& guess,
+                                   const TiltPrior& tilt, const RollingShutter& shutter) {
   PlaneAlignment out{.motion = guess};
   const int levels =
-      std::min({static_cast<int>(levels_.size()), reference.levels(), current.levels()});
+      std::min({static_cast<int>(levels_.size()), reference_.levels(), current.levels()});
   PlaneSolution solution;
   for (int l = levels - 1; l >= 0; --l) {
-    const Level& level = levels_[static_cast<std::size_t>(l)];
+    Level& level = levels_[static_cast<std::size_t>(l)];
     for (int s = 0; s < most_steps(l); ++s) {
       // 1. where the motion takes every window
       place_tiles(level.camera, level.rays, out.motion, tilt.axes, placement_, jacobian_);
@@ -67,9 +73,9 @@ PlaneAlignment PlaneAligner::align(const Pyramid& reference, const Pyramid& curr
       // 2. what the images say of it, in information form
       const bool exactly = config_.exact_warp && deformation_px(level.grid) > kFirstOrder_px;
       const TileEffort effort{.cubic = l == 0, .contrast = l > 0 && s == 0};
-      measurements_ = &tile_flow_.measure(reference.level(l), current.level(l), level.grid,
+      measurements_ = &tile_flow_.measure(reference_.level(l), current.level(l), level.grid,
                                           placement_, exactly ? TileWarp::affine : TileWarp::shift,
-                                          static_cast<float>(out.gain), effort);
+                                          static_cast<float>(out.gain), effort, level.textures);
       // 3. the motion that explains it
       solution = solver_.solve(observations(level), tilt, out.tilt_rad);
       out.solvable = solution.ok;

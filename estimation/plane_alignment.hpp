@@ -65,9 +65,12 @@ class PlaneAligner {
  public:
   PlaneAligner(const Camera& camera, const PlaneAlignmentConfig& config);
 
-  [[nodiscard]] PlaneAlignment align(const Pyramid& reference, const Pyramid& current,
-                                     const PlaneMotion& guess, const TiltPrior& tilt,
-                                     const RollingShutter& shutter = {});
+  /// What is aligned to from now on; the caller is left with the pyramid before, for its buffers.
+  void set_reference(Pyramid& pyramid);
+  [[nodiscard]] const Pyramid& reference() const { return reference_; }
+
+  [[nodiscard]] PlaneAlignment align(const Pyramid& current, const PlaneMotion& guess,
+                                     const TiltPrior& tilt, const RollingShutter& shutter = {});
 
   /// The windows of the finest level after the last alignment, for pictures and tests.
   [[nodiscard]] const TileGrid& grid() const { return levels_.front().grid; }
@@ -80,6 +83,7 @@ class PlaneAligner {
     TileGrid grid;
     TileRays rays;
     std::vector<int> cluster;  ///< of each tile
+    TileTextures textures;     ///< of the reference
   };
 
   [[nodiscard]] PlaneObservations observations(const Level& level) const;
@@ -90,6 +94,7 @@ class PlaneAligner {
   void assess(const PlaneSolution& solution, PlaneAlignment& out);
 
   PlaneAlignmentConfig config_;
+  Pyramid reference_;
   std::vector<Level> levels_;
   TileFlow tile_flow_;
   PlaneSolver solver_;

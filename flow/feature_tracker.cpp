@@ -116,9 +116,11 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
     if (is_inside) tracks_.reference_px.emplace_back(left + 7.5F, top + 7.5F);
   }
   grids_.clear();
+  textures_.resize(static_cast<std::size_t>(reference_.levels()));
   for (int level = 0; level < reference_.levels(); ++level) {
     grids_.push_back(
         feature_grid(tracks_.reference_px, std::ldexp(1.0F, -level), reference_.level(level)));
+    textures_[static_cast<std::size_t>(level)].forget(grids_.back());
   }
   const std::size_t count = tracks_.reference_px.size();
   tracks_.current_px = tracks_.reference_px;
@@ -261,7 +263,8 @@ void FeatureTracker::step(int level, TileWarp warp) {
   const bool finest = level == 0;
   const TileMeasurements& m = tiles_.measure(reference_.level(level), current_.level(level),
                                              grids_[static_cast<std::size_t>(level)], placement_,
-                                             warp, 1.0F, {.cubic = finest, .contrast = finest});
+                                             warp, 1.0F, {.cubic = finest, .contrast = finest},
+                                             textures_[static_cast<std::size_t>(level)]);
   for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
     alive_[i] = m.gxx[i] > 0 ? 1 : 0;
     const Eigen::Vector2f u = tile_step(m, i);
@@ -327,6 +330,7 @@ void FeatureTracker::track_back() {
   constexpr int kBackSteps = 3;
   constexpr float kStartOff_px = 2;
   back_grid_ = feature_grid(tracks_.current_px, 1, current_.level(0));
+  back_textures_.forget(back_grid_);
   placement_.resize(back_grid_.count);
   const auto back_of = [&](std::size_t i) -> Eigen::Matrix2f {
     const Eigen::Matrix2f A = Eigen::Matrix2f::Identity() + gradients_[i];
@@ -355,7 +359,7 @@ void FeatureTracker::track_back() {
   for (int step = 0; step < kBackSteps; ++step) {
     const TileMeasurements& m =
         tiles_.measure(current_.level(0), reference_.level(0), back_grid_, placement_,
-                       TileWarp::shift, 1.0F, {.cubic = true, .contrast = false});
+                       TileWarp::shift, 1.0F, {.cubic = true, .contrast = false}, back_textures_);
     for (std::size_t i = 0; i < tracks_.found.size(); ++i) {
       const Eigen::Vector2f u = tile_step(m, i);
       placement_.x_px[i] += u.x();

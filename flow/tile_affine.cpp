@@ -7,6 +7,8 @@
 #define HWY_TARGET_INCLUDE "flow/tile_affine.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// highway.h first
+#include "flow/tile_texture-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace stillkite {
@@ -56,8 +58,7 @@ TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int
                       hn::MulAdd(w.left, p1, hn::MulAdd(w.right, p2, hn::Mul(w.after, p3))));
   };
 
-  V gxx = hn::Zero(d), gxy = gxx, gyy = gxx, gx = gxx, gy = gxx, sx = gxx, sy = gxx, sr = gxx,
-    rr = gxx, s0 = gxx, s00 = gxx, s0r = gxx;
+  V gx = hn::Zero(d), gy = gx, sr = gx, rr = gx, s0 = gx, s00 = gx, s0r = gx;
   const V vgain = hn::Set(d, gain);
   for (int column = 0; column < columns; column += static_cast<int>(hn::Lanes(d))) {
     const V from_centre =
@@ -90,14 +91,9 @@ TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int
       offset = hn::Add(offset, stride);
       warped = hn::MulAdd(wv.after, across(offset, wu), warped);
       const V r = hn::MulSub(middle, vgain, warped);
-      gxx = hn::MulAdd(ix, ix, gxx);
-      gxy = hn::MulAdd(ix, iy, gxy);
-      gyy = hn::MulAdd(iy, iy, gyy);
       gx = hn::MulAdd(ix, r, gx);
       gy = hn::MulAdd(iy, r, gy);
       rr = hn::MulAdd(r, r, rr);
-      sx = hn::Add(sx, ix);
-      sy = hn::Add(sy, iy);
       sr = hn::Add(sr, r);
       s0 = hn::Add(s0, middle);
       s00 = hn::MulAdd(middle, middle, s00);
@@ -110,13 +106,8 @@ TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int
     }
   }
   const auto total = [&](V w) { return hn::GetLane(hn::SumOfLanes(d, w)); };
-  return {.gxx = total(gxx),
-          .gxy = total(gxy),
-          .gyy = total(gyy),
-          .gx = total(gx),
+  return {.gx = total(gx),
           .gy = total(gy),
-          .ix = total(sx),
-          .iy = total(sy),
           .r = total(sr),
           .rr = total(rr),
           .i0 = total(s0),
@@ -125,7 +116,8 @@ TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int
 }
 
 void measure_deformed_kernel(const ImageView& ref, const ImageView& cur, const TileGrid& grid,
-                             const TilePlacement& at, float gain, TileMeasurements& out) {
+                             const TilePlacement& at, float gain, TileTextures& textures,
+                             TileMeasurements& out) {
   const float pixels = static_cast<float>(grid.columns * grid.rows);
   const float half_width = 0.5F * static_cast<float>(grid.columns - 1);
   const float half_height = 0.5F * static_cast<float>(grid.rows - 1);
@@ -141,10 +133,13 @@ void measure_deformed_kernel(const ImageView& ref, const ImageView& cur, const T
     const bool inside = x - reach_x >= 2 && y - reach_y >= 2 && x + reach_x <= last_x &&
                         y + reach_y <= last_y && axx * ayy - axy * ayx > 0.1F;
     if (!inside) {
-      store({}, pixels, {}, i, out);
+      store({}, {}, pixels, {}, i, out);
       continue;
     }
-    store(deformed_tile(ref, cur, grid.left_px[i], grid.top_px[i], grid.columns, grid.rows, x, y,
+    const TileTexture& texture = grid.columns == 32 ? texture_at<32>(ref, grid, i, textures)
+                                                    : texture_at<16>(ref, grid, i, textures);
+    store(texture,
+          deformed_tile(ref, cur, grid.left_px[i], grid.top_px[i], grid.columns, grid.rows, x, y,
                         axx, axy, ayx, ayy, gain),
           pixels, {axx, axy, ayx, ayy}, i, out);
   }
@@ -160,8 +155,10 @@ namespace stillkite {
 HWY_EXPORT(measure_deformed_kernel);
 
 void measure_deformed(const ImageView& reference, const ImageView& current, const TileGrid& grid,
-                      const TilePlacement& placement, float gain, TileMeasurements& out) {
-  HWY_DYNAMIC_DISPATCH(measure_deformed_kernel)(reference, current, grid, placement, gain, out);
+                      const TilePlacement& placement, float gain, TileTextures& textures,
+                      TileMeasurements& out) {
+  HWY_DYNAMIC_DISPATCH(measure_deformed_kernel)
+  (reference, current, grid, placement, gain, textures, out);
 }
 
 }  // namespace stillkite

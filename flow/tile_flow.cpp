@@ -71,19 +71,28 @@ void TileMeasurements::resize(int count) {
   }
 }
 
+void TileTextures::forget(const TileGrid& grid) {
+  tiles.resize(static_cast<std::size_t>(grid.count));
+  known.assign(tiles.size(), 0);
+}
+
 const TileMeasurements& TileFlow::measure(const cv::Mat& reference, const cv::Mat& current,
                                           const TileGrid& grid, const TilePlacement& placement,
-                                          TileWarp warp, float gain, const TileEffort& effort) {
+                                          TileWarp warp, float gain, const TileEffort& effort,
+                                          TileTextures& textures) {
   CV_Assert(reference.type() == CV_8UC1 && current.type() == CV_8UC1);
   CV_Assert(reference.size() == current.size());
+  CV_Assert(textures.known.size() == static_cast<std::size_t>(grid.count));
   measurements_.resize(grid.count);
   const auto view = [](const cv::Mat& m) {
     return ImageView{m.data, static_cast<std::ptrdiff_t>(m.step[0]), m.cols, m.rows};
   };
   if (warp == TileWarp::shift) {
-    measure_shifted(view(reference), view(current), grid, placement, gain, effort, measurements_);
+    measure_shifted(view(reference), view(current), grid, placement, gain, effort, textures,
+                    measurements_);
   } else {
-    measure_deformed(view(reference), view(current), grid, placement, gain, measurements_);
+    measure_deformed(view(reference), view(current), grid, placement, gain, textures,
+                     measurements_);
   }
   return measurements_;
 }

@@ -44,6 +44,27 @@ struct TileMeasurements {
   void resize(int count);
 };
 
+/// A sum over a tile, and the sums with the distance from its middle, px.
+struct TileMoments {
+  float sum = 0, by_x = 0, by_y = 0;
+};
+
+/// What of a tile's sums is its reference's alone: those of the products of its gradient, which
+/// are G, and of the gradient itself.
+struct TileTexture {
+  TileMoments xx, xy, yy, x, y;
+};
+
+/// The tiles' textures, each learnt when it is first measured, and good for as long as the grid
+/// lies on the same picture.
+struct TileTextures {
+  std::vector<TileTexture> tiles;
+  std::vector<unsigned char> known;
+
+  /// For another picture or another grid.
+  void forget(const TileGrid& grid);
+};
+
 enum class TileWarp {
   shift,   ///< a tile is shifted in 16-bit integers, its deformation is taken to first order
   affine,  ///< every pixel is warped as the placement says, however large the deformation
@@ -58,12 +79,14 @@ struct TileEffort {
 };
 
 /// One Lucas-Kanade step of every tile: residual r = gain * reference - current(warped),
-/// G = sum of grad grad^T, g = sum of grad r. Both images CV_8UC1 and of one size.
+/// G = sum of grad grad^T, g = sum of grad r. Both images CV_8UC1 and of one size; `textures` are
+/// those of `grid` on `reference`.
 class TileFlow {
  public:
   const TileMeasurements& measure(const cv::Mat& reference, const cv::Mat& current,
                                   const TileGrid& grid, const TilePlacement& placement,
-                                  TileWarp warp, float gain, const TileEffort& effort = {});
+                                  TileWarp warp, float gain, const TileEffort& effort,
+                                  TileTextures& textures);
   /// Of the last call.
   [[nodiscard]] const TileMeasurements& measurements() const { return measurements_; }
 

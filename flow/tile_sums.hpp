@@ -16,10 +16,11 @@ struct ImageView {
   int height;
 };
 
-/// Plain sums over a tile, gradients as central differences, everything in grey and pixels.
+/// Plain sums over a tile that the current image is part of, gradients as central differences,
+/// everything in grey and pixels; and those that are with the brightness alone.
 struct TileSums {
-  float gxx = 0, gxy = 0, gyy = 0, gx = 0, gy = 0;
-  float ix = 0, iy = 0, r = 0, rr = 0, i0 = 0, i0i0 = 0, i0r = 0;
+  float gx = 0, gy = 0;
+  float r = 0, rr = 0, i0 = 0, i0i0 = 0, i0r = 0;
 };
 
 /// d(current)/d(reference) about a tile.
@@ -29,14 +30,14 @@ struct Deformation {
 
 /// Removes the tile's mean from gradient, residual and reference, and turns the gradient's axes
 /// from the reference image to the current one: grad' = A^-T grad.
-inline void store(const TileSums& s, float pixels, const Deformation& a, int i,
-                  TileMeasurements& out) {
+inline void store(const TileTexture& t, const TileSums& s, float pixels, const Deformation& a,
+                  int i, TileMeasurements& out) {
   const float n = 1.0F / pixels;
-  const float gxx = s.gxx - s.ix * s.ix * n;
-  const float gxy = s.gxy - s.ix * s.iy * n;
-  const float gyy = s.gyy - s.iy * s.iy * n;
-  const float gx = s.gx - s.ix * s.r * n;
-  const float gy = s.gy - s.iy * s.r * n;
+  const float gxx = t.xx.sum - t.x.sum * t.x.sum * n;
+  const float gxy = t.xy.sum - t.x.sum * t.y.sum * n;
+  const float gyy = t.yy.sum - t.y.sum * t.y.sum * n;
+  const float gx = s.gx - t.x.sum * s.r * n;
+  const float gy = s.gy - t.y.sum * s.r * n;
   const float d = 1.0F / (a.xx * a.yy - a.xy * a.yx);
   const float bxx = a.yy * d, bxy = -a.yx * d, byx = -a.xy * d, byy = a.xx * d;  // A^-T
   const float hxx = bxx * gxx + bxy * gxy, hxy = bxx * gxy + bxy * gyy;
@@ -63,8 +64,9 @@ struct CubicWeights {
 
 void measure_shifted(const ImageView& reference, const ImageView& current, const TileGrid& grid,
                      const TilePlacement& placement, float gain, const TileEffort& effort,
-                     TileMeasurements& out);
+                     TileTextures& textures, TileMeasurements& out);
 void measure_deformed(const ImageView& reference, const ImageView& current, const TileGrid& grid,
-                      const TilePlacement& placement, float gain, TileMeasurements& out);
+                      const TilePlacement& placement, float gain, TileTextures& textures,
+                      TileMeasurements& out);
 
 }  // namespace stillkite

@@ -143,7 +143,7 @@ std::vector<PlaneMotion> KeyframeNavigator::searched_motions() const {
   const Eigen::Vector3d normal = predicted_motion().normal;
   const LevelView view = level_view(camera, normal);
   for (const PictureShift& shift :
-       find_shifts(keyframe_.level(level), current_.level(level), view.homography)) {
+       find_shifts(aligner_.reference().level(level), current_.level(level), view.homography)) {
     const auto motions = motions_of(shift, camera, view, normal);
     out.insert(out.end(), motions.begin(), motions.end());
   }
@@ -172,8 +172,7 @@ PlaneAlignment KeyframeNavigator::align_at_speed(const PlaneMotion& guess,
       aligned_ <= kFramesToLearnSpeed ? speed.twist_in_camera() : track_.keyframe_twist();
   const RollingShutter shutter{config_.readout_s, in_heights(then, height_m),
                                in_heights(speed.twist_in_camera(), height_m)};
-  return aligner_.align(keyframe_, current_, guess, tilt_prior(keyframe, config_.levelling),
-                        shutter);
+  return aligner_.align(current_, guess, tilt_prior(keyframe, config_.levelling), shutter);
 }
 
 Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {
@@ -250,7 +249,7 @@ bool KeyframeNavigator::is_given_up(Verdict verdict, const FrameInterval& interv
 
 void KeyframeNavigator::take_keyframe() {
   track_.take_keyframe();
-  std::swap(keyframe_, current_);
+  aligner_.set_reference(current_);
   keyframe_is_previous_ = true;
   windows_at_keyframe_ = 0;
 }

@@ -55,7 +55,7 @@ class KeyframeNavigator {
   NavigatorConfig config_;
   PlaneAligner aligner_;
   PoseTrack track_;
-  Pyramid current_, keyframe_;
+  Pyramid current_;  // that of the keyframe is the aligner's
   std::optional<KeyframeView> view_;
   int windows_at_keyframe_ = 0;
   int aligned_ = 0;                                   // frames since the speed was unknown

@@ -67,7 +67,8 @@ PlaneAlignment align(const Camera& camera, const cv::Mat& reference, const cv::M
   a.build(reference, kLevels);
   b.build(current, kLevels);
   PlaneAligner aligner(camera, {.levels = kLevels});
-  return aligner.align(a, b, guess, tilt, shutter);
+  aligner.set_reference(a);
+  return aligner.align(b, guess, tilt, shutter);
 }
 
 double turn_error_rad(const PlaneMotion& a, const PlaneMotion& b) {

@@ -1,0 +1,115 @@
+#include "flow/tile_flow.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <opencv2/core.hpp>
+
+namespace stillkite {
+namespace {
+
+constexpr int kSide_px = 64;
+
+cv::Mat picture(double phase) {
+  cv::Mat image(kSide_px, kSide_px, CV_8UC1);
+  for (int y = 0; y < kSide_px; ++y) {
+    for (int x = 0; x < kSide_px; ++x) {
+      const double wave = std::sin(0.4 * x + 0.1 * y + phase) + std::cos(0.3 * y - 0.2 * x);
+      image.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(128 + 50 * wave);
+    }
+  }
+  return image;
+}
+
+// Every tile shifted by the same way and sheared: x moves by `shear` a row.
+TilePlacement placed(const TileGrid& grid, float dx, float dy, float shear) {
+  TilePlacement placement;
+  placement.resize(grid.count);
+  for (std::size_t i = 0; i < placement.x_px.size(); ++i) {
+    placement.x_px[i] = grid.centre_x_px[i] + dx;
+    placement.y_px[i] = grid.centre_y_px[i] + dy;
+    placement.axx[i] = placement.ayy[i] = 1;
+    placement.axy[i] = shear;
+    placement.ayx[i] = 0;
+  }
+  return placement;
+}
+
+TileTextures unknown(const TileGrid& grid) {
+  TileTextures textures;
+  textures.forget(grid);
+  return textures;
+}
+
+class KnownTexture : public testing::TestWithParam<TileWarp> {};
+
+TEST_P(KnownTexture, says_what_a_fresh_one_says) {
+  const cv::Mat reference = picture(0), current = picture(0.1);
+  for (const int columns : {16, 32}) {
+    const TileGrid grid = make_tile_grid(kSide_px, kSide_px, columns, 16);
+    TileTextures kept = unknown(grid);
+    TileFlow flow;
+    // tiles that were off the picture at first are learnt when they are on it
+    for (const float dx : {40.0F, 0.3F, -0.4F}) {
+      const TilePlacement placement = placed(grid, dx, 0.2F, 0.01F);
+      const TileMeasurements again =
+          flow.measure(reference, current, grid, placement, GetParam(), 1, {}, kept);
+      TileTextures none = unknown(grid);
+      const TileMeasurements& fresh =
+          flow.measure(reference, current, grid, placement, GetParam(), 1, {}, none);
+      EXPECT_EQ(again.gxx, fresh.gxx);
+      EXPECT_EQ(again.gxy, fresh.gxy);
+      EXPECT_EQ(again.gyy, fresh.gyy);
+      EXPECT_EQ(again.gx, fresh.gx);
+      EXPECT_EQ(again.gy, fresh.gy);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Warps, KnownTexture, testing::Values(TileWarp::shift, TileWarp::affine));
+
+// A wave that is known: G is the sum of squares of its slope, as central differences have it.
+TEST(TileFlow, structure_tensor_of_a_wave_and_the_step_across_it) {
+  constexpr double kPeriod_px = 16, kAmplitude = 100, kShift_px = 0.1;
+  const double k = 2 * std::numbers::pi / kPeriod_px;
+  const auto wave = [&](double shift) {
+    cv::Mat image(kSide_px, kSide_px, CV_8UC1);
+    for (int y = 0; y < kSide_px; ++y) {
+      for (int x = 0; x < kSide_px; ++x) {
+        image.at<std::uint8_t>(y, x) =
+            cv::saturate_cast<std::uint8_t>(128 + kAmplitude * std::sin(k * (x - shift)));
+      }
+    }
+    return image;
+  };
+  const TileGrid grid = make_tile_grid(kSide_px, kSide_px, 16, 16);
+  TileTextures textures = unknown(grid);
+  TileFlow flow;
+  const TileMeasurements& m = flow.measure(wave(0), wave(kShift_px), grid, placed(grid, 0, 0, 0),
+                                           TileWarp::shift, 1, {}, textures);
+  const double G = 16 * 16 * 0.5 * std::pow(kAmplitude * std::sin(k), 2);
+  EXPECT_NEAR(m.gxx[0], G, 0.01 * G);
+  EXPECT_NEAR(m.gxy[0], 0, 1e-3 * G);
+  EXPECT_NEAR(m.gyy[0], 0, 1e-3 * G);
+  EXPECT_NEAR(m.gx[0] / m.gxx[0], kShift_px, 0.03 * kShift_px);
+}
+
+// From black to white the gradient is 255 in all sixteen rows of a column: no sum may overflow. A
+// shear about the middle moves the upper half of the edge as far as the lower half, to other sides.
+TEST(TileFlow, a_sheared_edge_from_black_to_white_does_not_move) {
+  cv::Mat edge(kSide_px, kSide_px, CV_8UC1, cv::Scalar(0));
+  edge.colRange(kSide_px / 2 + 1, kSide_px) = 255;
+  const TileGrid grid = make_tile_grid(kSide_px, kSide_px, 16, 16);
+  TileTextures textures = unknown(grid);
+  TileFlow flow;
+  const TileMeasurements& m =
+      flow.measure(edge, edge, grid, placed(grid, 0, 0, 0.05F), TileWarp::shift, 1, {}, textures);
+  for (int i = 0; i < grid.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    EXPECT_NEAR(m.gx[k], 0, 1e-4F * (1 + m.gxx[k])) << i;
+  }
+}
+
+}  // namespace
+}  // namespace stillkite
