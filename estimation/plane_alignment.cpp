@@ -18,7 +18,7 @@ constexpr float kFirstOrder_px = 1.2F;
 constexpr int most_steps(int level) {
   return level == 0 ? 1 : 2;
 }
-constexpr double kSettled_px = 0.005;
+constexpr double kSettled_px = 0.05;
 
 int cell(float position, int size, int cells) {
   const float at = position * static_cast<float>(cells) / static_cast<float>(size);
