@@ -49,8 +49,8 @@ struct FeatureTracks {
 
 /// Sparse Lucas-Kanade from a fixed reference picture: windows of 16x16 px about its features, in
 /// every frame compared with the reference itself, so that no drift adds up. The windows are those
-/// of the flow stage (TileFlow): of the reference their structure tensors are kept, not the gradients,
-/// which cost less to form anew than to fetch (docs/adr/0005).
+/// of the flow stage (TileFlow): of the reference their structure tensors are kept, not the
+/// gradients, which cost less to form anew than to fetch (docs/adr/0005).
 class FeatureTracker {
  public:
   explicit FeatureTracker(const FeatureTrackerConfig& config) : config_(config) {}
