@@ -69,7 +69,7 @@ void FusionFilter::take_anchor() {
       P_(column_of(j) + 2, depth) = kept.covariance(static_cast<Eigen::Index>(j), k);
     }
   }
-  clone_camera(Index::kAnchorRotation);
+  clone(Index::kRotation, 6, Index::kAnchorRotation);
 }
 
 // What is seen there is at that depth; where it is in the new reference is known as of any feature.
@@ -139,14 +139,16 @@ void FusionFilter::restore(const FusionMap& map) {
       map.covariance.bottomLeftCorner(landmarks, kMapSize);
 }
 
-// Of the camera's and the keyframe's way and of the velocity: so many of the new are one of the
-// old.
+// Of the camera's, the keyframe's and the last step's way and of the velocity: so many of the new
+// are one of the old.
 void FusionFilter::change_unit(double ratio) {
-  for (RigidTransform* pose : {&state_.world_from_camera, &state_.world_from_keyframe}) {
-    pose->translation = start_in_world_ + ratio * (pose->translation - start_in_world_);
+  for (Eigen::Vector3d* place : {&state_.world_from_camera.translation,
+                                 &state_.world_from_keyframe.translation, &state_.step_start}) {
+    *place = start_in_world_ + ratio * (*place - start_in_world_);
   }
   state_.velocity_in_world *= ratio;
-  for (const int first : {Index::kPosition, Index::kVelocity, Index::kKeyframePosition}) {
+  for (const int first :
+       {Index::kPosition, Index::kVelocity, Index::kKeyframePosition, Index::kStepStart}) {
     P_.middleRows<3>(first) *= ratio;
     P_.middleCols<3>(first) *= ratio;
   }

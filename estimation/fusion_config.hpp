@@ -27,7 +27,7 @@ struct FusionConfig {
   double height_sigma_ratio = 0.02;
   double ground_sigma_ratio = 0.01;
   double keyframe_view_sigma_ratio = 0.02;
-  double flow_correlated_frames = 10;
+  double flow_correlated_s = 1.0;
   double height_correlated_frames = 10;
   double depth_correlated_frames = 60;
   bool relinearize_start = true;
@@ -88,8 +88,10 @@ struct FusionConfig {
     field("keyframe_view_sigma_ratio", self.keyframe_view_sigma_ratio, kNotNegative,
           "error of the flow's way since its keyframe as a share of it, beside its covariance: "
           "ground that is not flat");
-    field("flow_correlated_frames", self.flow_correlated_frames, Range{.min = 1},
-          "frames over which the flow's errors are alike; its variance is taken that many times");
+    field(
+        "flow_correlated_s", self.flow_correlated_s, kNotNegative,
+        "time over which the flow's errors are alike, as long as a keyframe lasts; its variance is "
+        "taken as many times as frames fall into it");
     field("height_correlated_frames", self.height_correlated_frames, Range{.min = 1},
           "the same of a range finder's or barometer's height");
     field("depth_correlated_frames", self.depth_correlated_frames, kNotNegative,

@@ -22,6 +22,7 @@ FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
   landmarks_.reserve(static_cast<std::size_t>(most_landmarks()));
   state_.world_from_camera = state_.world_from_anchor = state_.world_from_keyframe =
       start.world_from_camera;
+  state_.step_start = start_in_world_;
   const auto set = [this](int first, int count, double sigma) {
     P_.diagonal().segment(first, count).setConstant(square(sigma));
   };
@@ -82,6 +83,7 @@ void FusionFilter::inject(const Eigen::VectorXd& error) {
   turn(state_.world_from_camera, Index::kRotation, Index::kPosition);
   turn(state_.world_from_anchor, Index::kAnchorRotation, Index::kAnchorPosition);
   turn(state_.world_from_keyframe, Index::kKeyframeRotation, Index::kKeyframePosition);
+  state_.step_start += error.segment<3>(Index::kStepStart);
   state_.velocity_in_world += error.segment<3>(Index::kVelocity);
   state_.gyro_bias_rad_s += error.segment<3>(Index::kGyroBias);
   state_.accel_bias_m_s2 += error.segment<3>(Index::kAccelBias);
@@ -125,17 +127,17 @@ bool FusionFilter::update_turn(const Eigen::Quaterniond& anchor_from_camera,
   return correct(innovation);
 }
 
-void FusionFilter::take_keyframe() {
-  remember([](FusionFilter& filter) { filter.take_keyframe(); });
-  state_.world_from_keyframe = state_.world_from_camera;
-  clone_camera(Index::kKeyframeRotation);
+void FusionFilter::begin_step() {
+  remember([](FusionFilter& filter) { filter.begin_step(); });
+  state_.step_start = state_.world_from_camera.translation;
+  clone(Index::kPosition, 3, Index::kStepStart);
 }
 
-// A pose that is the camera's now has its errors, and their covariance with all others.
-void FusionFilter::clone_camera(int first) {
+// What is a copy has the original's errors, and their covariance with all others.
+void FusionFilter::clone(int original, int count, int copy) {
   const int n = size();
-  P_.block(first, 0, 6, n) = P_.block(Index::kRotation, 0, 6, n).eval();
-  P_.block(0, first, n, 6) = P_.block(0, Index::kRotation, n, 6).eval();
+  P_.block(copy, 0, count, n) = P_.block(original, 0, count, n).eval();
+  P_.block(0, copy, n, count) = P_.block(0, original, n, count).eval();
 }
 
 RigidTransform FusionFilter::world_from_camera_m() const {
@@ -155,6 +157,23 @@ Eigen::Matrix3d FusionFilter::metric_covariance(int first, const Eigen::Vector3d
   return std::exp(2 * state_.log_scale) *
          (P_.block<3, 3>(first, first) + cross * value.transpose() + value * cross.transpose() +
           P_(Index::kScale, Index::kScale) * value * value.transpose());
+}
+
+Eigen::Vector3d FusionFilter::step_m() const {
+  return std::exp(state_.log_scale) * (state_.world_from_camera.translation - state_.step_start);
+}
+
+// With c = s R^T w, w = p - p_b, and R c is what is asked for: s (e_p - e_b + [w]x e + w e_s).
+Eigen::Matrix3d FusionFilter::step_covariance() const {
+  const double s = std::exp(state_.log_scale);
+  const Eigen::Vector3d way = state_.world_from_camera.translation - state_.step_start;
+  Eigen::Matrix<double, 3, Index::kLandmarks> J;
+  J.setZero();
+  J.middleCols<3>(Index::kRotation) = s * skew(way);
+  J.middleCols<3>(Index::kPosition).diagonal().setConstant(s);
+  J.middleCols<3>(Index::kStepStart).diagonal().setConstant(-s);
+  J.col(Index::kScale) = s * way;
+  return J * P_.topLeftCorner<Index::kLandmarks, Index::kLandmarks>() * J.transpose();
 }
 
 Matrix6d FusionFilter::pose_covariance() const {

@@ -11,7 +11,7 @@
 #include "estimation/error_state.hpp"
 #include "estimation/fusion_config.hpp"
 #include "estimation/fusion_state.hpp"
-#include "estimation/plane_motion.hpp"
+#include "estimation/plane_solver.hpp"
 
 namespace stillkite {
 
@@ -39,6 +39,13 @@ struct FeatureView {
   Eigen::Matrix2d covariance;
 };
 
+/// The camera over the ground as the flow sees it from its keyframe, before any filter.
+struct KeyframeView {
+  PlaneMotion motion;  ///< lengths in heights of the keyframe
+  TiltAxes tilt_axes;
+  WindowsAlone windows;
+};
+
 /// Error-state Kalman filter on SO(3) of the camera's pose from the first frame, its velocity, the
 /// map's scale, the sensors' biases and landmarks of the reference frame; see docs/fusion.md.
 class FusionFilter {
@@ -46,10 +53,11 @@ class FusionFilter {
   /// At rest as far as `start.velocity_sigma` says; map units begin as the start's units.
   FusionFilter(const FusionConfig& config, const FusionStart& start);
 
+  /// The camera, here, is where the way of the next frame begins (`step_m`).
+  void begin_step();
   void predict(const InertialStep& step);
-  /// The camera over the ground as the flow sees it from its keyframe; covariance of (translation
-  /// in the keyframe's heights, rotation vector), camera axes. False: refused.
-  bool update_keyframe_view(const PlaneMotion& seen, const Matrix6d& covariance);
+  /// Errors of the view are alike in so many frames. False: refused.
+  bool update_keyframe_view(const KeyframeView& view, double correlated_frames);
   /// The camera, here, is the keyframe of the views to come.
   void take_keyframe();
   /// The camera's turn since the anchor as another estimator has it; covariance of the rotation
@@ -99,6 +107,10 @@ class FusionFilter {
   /// Metres.
   [[nodiscard]] RigidTransform world_from_camera_m() const;
   [[nodiscard]] Eigen::Vector3d velocity_in_world_m_s() const;
+  /// The way since `begin_step`, world axes; its covariance as the camera sees it, with the error
+  /// of its attitude.
+  [[nodiscard]] Eigen::Vector3d step_m() const;
+  [[nodiscard]] Eigen::Matrix3d step_covariance() const;
   /// Of (translation in m, rotation vector), world axes, from the first frame.
   [[nodiscard]] Matrix6d pose_covariance() const;
   [[nodiscard]] Eigen::Matrix3d velocity_covariance() const;
@@ -160,6 +172,12 @@ class FusionFilter {
     bool is_settled = false;
   };
   struct Retold;
+  // of the ground's normal from that of a keyframe's view, about its tilt axes
+  struct KeyframeTilt {
+    Eigen::Vector2d tilt_rad;
+    Eigen::Matrix<double, 2, 3> by_keyframe_rotation;
+    Eigen::Matrix2d by_tilt;
+  };
   // landmarks as they would be with the camera for their anchor, and their inverse depths'
   // covariances with the state and with each other
   struct InheritedDepths {
@@ -212,7 +230,9 @@ class FusionFilter {
   void doubt_level(const std::vector<LowLandmark>& on_level);
   [[nodiscard]] SparseRows<1> height_row(const Landmark& landmark, int column, double factor) const;
   [[nodiscard]] Innovation<1> ground_innovation(const Landmark& landmark, int column) const;
-  void clone_camera(int first);
+  [[nodiscard]] KeyframeTilt keyframe_tilt(const KeyframeView& view) const;
+  void update_keyframe_tilt(const KeyframeView& view, double correlated_frames);
+  void clone(int original, int count, int copy);
   [[nodiscard]] double height_below_anchor(const Landmark& landmark) const;
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
   [[nodiscard]] double guessed_inverse_depth(const Eigen::Vector2d& bearing) const;

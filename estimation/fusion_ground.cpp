@@ -179,44 +179,4 @@ bool FusionFilter::update_height(double height_m, double sigma_m) {
   return true;
 }
 
-// From the keyframe (R_k, p_k) at the height h_k, to the camera (R, p):
-//   Q = R^T R_k,   t = R^T (p_k - p) / h_k
-bool FusionFilter::update_keyframe_view(const PlaneMotion& seen, const Matrix6d& covariance) {
-  remember([=](FusionFilter& filter) { filter.update_keyframe_view(seen, covariance); });
-  const RigidTransform& keyframe = state_.world_from_keyframe;
-  const RigidTransform& camera = state_.world_from_camera;
-  const Eigen::Vector3d u = up(state_);
-  const double known = start_in_world_.z() * std::exp(-(state_.log_scale + state_.log_height));
-  const double h = height(keyframe.translation);
-  if (!(h > 0)) return false;
-  const Eigen::Matrix3d R_t = camera.rotation.conjugate().toRotationMatrix();
-  const Eigen::Vector3d d = (keyframe.translation - camera.translation) / h;
-  const Eigen::Vector3d t = R_t * d;
-  const Eigen::Quaterniond Q = camera.rotation.conjugate() * keyframe.rotation;
-  const Eigen::Quaterniond turn = seen.rotation * Q.conjugate();
-  Innovation<6> innovation{.residual = {}, .H = {}, .noise = covariance};
-  innovation.residual << seen.translation - turn * t, so3_log(turn);
-  innovation.noise.topLeftCorner<3, 3>().diagonal().array() +=
-      square(config_.keyframe_view_sigma_ratio) * t.squaredNorm();
-
-  using Matrix63 = Eigen::Matrix<double, 6, 3>;
-  const Matrix63 by_rotation = (Matrix63() << Eigen::Matrix3d::Zero(), -R_t).finished();
-  const Matrix63 by_keyframe_rotation = (Matrix63() << R_t * skew(d), R_t).finished();
-  const Matrix63 by_position = (Matrix63() << -R_t / h, Eigen::Matrix3d::Zero()).finished();
-  const Matrix63 by_keyframe_position =
-      (Matrix63() << (R_t - t * u.transpose()) / h, Eigen::Matrix3d::Zero()).finished();
-  Eigen::Matrix<double, 6, 2> by_height;
-  by_height << t * (known / h) * Eigen::RowVector2d::Ones(), Eigen::Matrix<double, 3, 2>::Zero();
-  Eigen::Matrix<double, 6, 2> by_tilt;
-  by_tilt << -t / h * up_by_tilt(keyframe.translation - start_in_world_),
-      Eigen::Matrix<double, 3, 2>::Zero();
-  innovation.H.add(Index::kRotation, by_rotation);
-  innovation.H.add(Index::kPosition, by_position);
-  innovation.H.add(Index::kKeyframeRotation, by_keyframe_rotation);
-  innovation.H.add(Index::kKeyframePosition, by_keyframe_position);
-  innovation.H.add(Index::kScale, by_height);
-  innovation.H.add(Index::kTilt, by_tilt);
-  return correct(innovation);
-}
-
 }  // namespace stillkite

@@ -21,6 +21,7 @@ struct FusionState {
   double log_height = 0;               ///< of the known height at the start over the true one
   RigidTransform world_from_anchor;    ///< the camera at the reference frame
   RigidTransform world_from_keyframe;  ///< the camera at the flow's keyframe
+  Eigen::Vector3d step_start;          ///< where the camera was at the frame before, map units
 };
 
 /// The world's true vertical: exp(tilt) z, to first order.
@@ -85,7 +86,8 @@ struct FusionIndex {
   static constexpr int kAnchorPosition = 22;
   static constexpr int kKeyframeRotation = 25;
   static constexpr int kKeyframePosition = 28;
-  static constexpr int kLandmarks = 31;
+  static constexpr int kStepStart = 31;
+  static constexpr int kLandmarks = 34;
 };
 
 }  // namespace stillkite

@@ -62,6 +62,7 @@ void FusionFilter::settle_unit() {
       state_.world_from_anchor.translation - start_in_world_;
   by_unit.segment<3>(Index::kKeyframePosition) =
       state_.world_from_keyframe.translation - start_in_world_;
+  by_unit.segment<3>(Index::kStepStart) = state_.step_start - start_in_world_;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     by_unit(column_of(i) + 2) = -landmarks_[i].inverse_depth;
   }

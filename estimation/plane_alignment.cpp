@@ -178,6 +178,7 @@ void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
   out.ground_ratio = static_cast<double>(ground) / real;
   out.residual_px = solver_.residual_px(seen);
   out.covariance = solver_.covariance(seen, solution);
+  out.windows_alone = solver_.windows_alone(seen, solution, out.tilt_rad);
   const Matrix6d A = solution.information.topLeftCorner<6, 6>();
   out.smooth_covariance = (solution.tilt_deflation - 1) * A.ldlt().solve(Matrix6d::Identity());
   const Vector6d scale = A.diagonal().cwiseSqrt().cwiseInverse();

@@ -44,6 +44,7 @@ struct PlaneAlignment {
   PlaneMotionMatrix covariance = PlaneMotionMatrix::Zero();  ///< cluster-robust; dt in heights
   Matrix6d smooth_covariance = Matrix6d::Zero();  ///< by smooth errors of the flow; dt in heights
   Eigen::Vector2d tilt_rad = Eigen::Vector2d::Zero();  ///< the normal's turn from its prior
+  WindowsAlone windows_alone;                          ///< without that prior; dt in heights
 
   bool solvable = false;      ///< false: too little was seen, the motion is the guess
   int windows = 0;            ///< with texture, on both images

@@ -86,7 +86,6 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
   if (interval.spoiled == Verdict::first_frame) scale_stamp_ = last_ = frame.stamp;
-  const Eigen::Vector3d velocity_before = filter_.velocity_in_world_m_s();
   predict(readings, frame.stamp, reference);
   take_readings(readings, frame.stamp);
   // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
@@ -100,7 +99,6 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
     flow_from_anchor_ = flow_from_camera_ * filter_.anchor_from_camera_m().inverse();
   }
   if (!has_gyro_) take_rate(flow_taken ? flow : reference);
-  velocity_in_world_m_s_ = 0.5 * (velocity_before + filter_.velocity_in_world_m_s());
   const MotionEstimate since_reference = motion_since_reference(reference.reference->motion);
   // 4. The camera, wherever it is, is what new landmarks and the ground will be seen from.
   if (reference.reference->new_reference) {
@@ -153,6 +151,8 @@ void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
   if (now <= last_) return;
   const Eigen::Quaterniond before = filter_.state().world_from_camera.rotation;
   const double dt_s = seconds_between(last_, now);
+  filter_.begin_step();
+  step_s_ = dt_s;
   const std::vector<InertialStep> steps =
       inertial_steps(readings.inertial, last_, now, body_from_camera_.rotation);
   double left_s = dt_s;
@@ -174,7 +174,7 @@ void FusedNavigator::take_turn(const NavigationEstimate& reference) {
   const MotionEstimate& motion = reference.reference->motion;
   if (reference.verdict != Verdict::ok || motion.status != EstimateStatus::ok) return;
   filter_.update_turn(motion.reference_from_camera,
-                      config_.flow_correlated_frames * motion.rotation_covariance);
+                      correlated_frames() * motion.rotation_covariance);
 }
 
 void FusedNavigator::take_rate(const NavigationEstimate& estimate) {
@@ -237,9 +237,12 @@ void FusedNavigator::judge_ground(bool is_home) {
 
 bool FusedNavigator::see_ground() {
   const std::optional<KeyframeView>& view = flow_.view();
-  // alike over some frames: an error that would add up to a way counts as often
-  return view && filter_.update_keyframe_view(view->motion,
-                                              config_.flow_correlated_frames * view->covariance);
+  return view && filter_.update_keyframe_view(*view, correlated_frames());
+}
+
+// An error of the flow that would add up to a way counts as often as frames share it.
+double FusedNavigator::correlated_frames() const {
+  return step_s_ > 0 ? std::max(1.0, config_.flow_correlated_s / step_s_) : 1;
 }
 
 bool FusedNavigator::see_landmarks(bool is_home) {
@@ -251,6 +254,12 @@ bool FusedNavigator::see_landmarks(bool is_home) {
   return taken >= config_.min_landmarks;
 }
 
+// Over the last interval: the way by both its ends, of which the later frame has told too.
+FusedNavigator::MeanVelocity FusedNavigator::mean_velocity() const {
+  if (!(step_s_ > 0)) return {filter_.velocity_in_world_m_s(), filter_.velocity_covariance()};
+  return {filter_.step_m() / step_s_, filter_.step_covariance() / square(step_s_)};
+}
+
 NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) const {
   NavigationEstimate out;
   out.stamp = frame.stamp;
@@ -260,11 +269,13 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) c
   const RigidTransform world_from_camera = filter_.world_from_camera_m();
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
   out.pose_covariance = filter_.pose_covariance();
-  out.velocity_in_world_m_s = velocity_in_world_m_s_;
-  const Eigen::Matrix3d R_t = world_from_camera.rotation.conjugate().toRotationMatrix();
-  out.twist_in_camera = {R_t * out.velocity_in_world_m_s, rate_in_camera_rad_s_};
-  out.twist_covariance.topLeftCorner<3, 3>() =
-      R_t * filter_.velocity_covariance() * R_t.transpose();
+  const MeanVelocity velocity = mean_velocity();
+  out.velocity_in_world_m_s = velocity.in_world_m_s;
+  const Eigen::Quaterniond half_way =
+      world_from_camera.rotation * so3_exp(-0.5 * step_s_ * rate_in_camera_rad_s_);
+  const Eigen::Matrix3d R_t = half_way.conjugate().toRotationMatrix();
+  out.twist_in_camera = {R_t * velocity.in_world_m_s, rate_in_camera_rad_s_};
+  out.twist_covariance.topLeftCorner<3, 3>() = R_t * velocity.covariance * R_t.transpose();
   out.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
   // metres that were merely guessed are none
   const bool is_metric = filter_.scale_sigma() < config_.metric_below_sigma_ratio;

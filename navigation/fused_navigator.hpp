@@ -35,8 +35,14 @@ class FusedNavigator {
   void take_readings(const SensorReadings& readings, Timestamp now);
   void judge_ground(bool is_home);
   [[nodiscard]] bool see_ground();
+  [[nodiscard]] double correlated_frames() const;
   [[nodiscard]] bool see_landmarks(bool is_home);
   [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;
+  struct MeanVelocity {
+    Eigen::Vector3d in_world_m_s;
+    Eigen::Matrix3d covariance;
+  };
+  [[nodiscard]] MeanVelocity mean_velocity() const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 
   Camera camera_;
@@ -59,7 +65,7 @@ class FusedNavigator {
   int contrary_ = 0;       // frames in a row that showed otherwise
   bool has_gyro_ = false;  // since the last frame
   // means since the last frame
-  Eigen::Vector3d velocity_in_world_m_s_ = Eigen::Vector3d::Zero();
+  double step_s_ = 0;  // the last interval
   Eigen::Vector3d rate_in_camera_rad_s_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d rate_covariance_ = Eigen::Matrix3d::Zero();
 };

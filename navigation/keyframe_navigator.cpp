@@ -73,9 +73,9 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   const Verdict verdict = interval.spoiled ? *interval.spoiled : judge(alignment);
   // 5. Chain it to the keyframe, level both by the plane's normal and filter; or stay as predicted.
   if (verdict == Verdict::ok) {
+    const TiltPrior tilt = tilt_prior(track_.keyframe(), config_.levelling);
+    view_ = {alignment.motion, tilt.axes, alignment.windows_alone};
     track_.accept(alignment, readings, frame.stamp);
-    view_ = {alignment.motion,
-             alignment.covariance.topLeftCorner<6, 6>() + alignment.smooth_covariance};
     // a keyframe taken before the speed was known had it all the same; its rows need it
     if (aligned_ <= kFramesToLearnSpeed) {
       track_.assume_keyframe_twist(track_.filter().twist_in_camera());

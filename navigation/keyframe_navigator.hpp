@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "estimation/fusion_filter.hpp"
 #include "estimation/plane_alignment.hpp"
 #include "flow/pyramid.hpp"
 #include "navigation/frame_interval.hpp"
@@ -11,12 +12,6 @@
 #include "navigation/window_flow.hpp"
 
 namespace stillkite {
-
-/// The camera over the ground, seen from a keyframe.
-struct KeyframeView {
-  PlaneMotion motion;   ///< lengths in heights of the keyframe
-  Matrix6d covariance;  ///< of (translation, rotation vector), camera axes, as PlaneMotionStep's
-};
 
 /// The recommended mode: every picture is aligned to a keyframe (DESIGN section 3).
 class KeyframeNavigator {

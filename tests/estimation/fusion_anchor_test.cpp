@@ -72,6 +72,8 @@ TEST(FusionFilter, WhatAllDepthsAreWrongByIsTheScales) {
   const Matrix6d pose = filter.pose_covariance();
   const Matrix6d anchored = filter.anchored_covariance();
   const Eigen::Matrix3d velocity = filter.velocity_covariance();
+  const Eigen::Vector3d step = filter.step_m();
+  const Eigen::Matrix3d of_step = filter.step_covariance();
   const double scale_sigma = filter.scale_sigma();
   const double unsettled = common_depth_sigma(filter.map());
   filter.settle_unit();
@@ -81,6 +83,8 @@ TEST(FusionFilter, WhatAllDepthsAreWrongByIsTheScales) {
   EXPECT_LT((filter.pose_covariance() - pose).norm(), 1e-9 * pose.norm());
   EXPECT_LT((filter.anchored_covariance() - anchored).norm(), 1e-9 * anchored.norm());
   EXPECT_LT((filter.velocity_covariance() - velocity).norm(), 1e-9 * velocity.norm());
+  EXPECT_LT((filter.step_m() - step).norm(), 1e-9 * step.norm());
+  EXPECT_LT((filter.step_covariance() - of_step).norm(), 1e-9 * of_step.norm());
 }
 
 // Each frame's views leave it so, also where the landmarks come and go.

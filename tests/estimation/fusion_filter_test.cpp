@@ -223,31 +223,5 @@ TEST(FusionFilter, CountsThatTheLowestWereChosen) {
   EXPECT_GT(std::sqrt(scale_variance(0.03) - scale_variance(0.001)), 0.03);
 }
 
-// Of a start whose height is known the flow's view gives the way in metres, whatever the camera has
-// done meanwhile, and after a new keyframe again.
-TEST(FusionFilter, TheGroundTellsTheWayInHeights) {
-  FusionConfig config;
-  config.height_sigma_ratio = config.scale_sigma_ratio = 1e-4;
-  config.acceleration_density = 100;
-  const RigidTransform start{so3_exp({2.9, 0.3, 0.1}), {1, 2, 4}};
-  FusionFilter filter(config, {.world_from_camera = start, .velocity_sigma = 10});
-  RigidTransform keyframe = start;
-  for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.1, -0.2, 0.15), {0.2, 0.1, 0.4}}) {
-    const RigidTransform camera{so3_exp(0.02 * way) * keyframe.rotation,
-                                keyframe.translation + way};
-    filter.predict({.dt_s = 0.2, .angular_rate_rad_s = {}, .specific_force_m_s2 = {}});
-    const RigidTransform camera_from_keyframe = camera.inverse() * keyframe;
-    ASSERT_TRUE(filter.update_keyframe_view(
-        {.rotation = camera_from_keyframe.rotation,
-         .translation = camera_from_keyframe.translation / keyframe.translation.z()},
-        1e-8 * Matrix6d::Identity()));
-    const RigidTransform found = filter.world_from_camera_m();
-    EXPECT_LT((found.translation - camera.translation).norm(), 0.005);
-    EXPECT_LT(angle_between_rad(found.rotation, camera.rotation), 1e-3);
-    filter.take_keyframe();
-    keyframe = camera;
-  }
-}
-
 }  // namespace
 }  // namespace stillkite

@@ -75,6 +75,7 @@ FusionTruth FusionSimulation::truth_at(double t_s) const {
 
 void FusionSimulation::step() {
   const double dt_s = kFrame_s / kInertialSteps;
+  filter_.begin_step();
   for (int i = 0; i < kInertialSteps; ++i) {
     const FusionTruth a = truth_at(time_s_);
     const FusionTruth mid = truth_at(time_s_ + 0.5 * dt_s);
@@ -169,10 +170,11 @@ void FusionSimulation::see_ground() {
       truth().world_from_camera.inverse() * truth_at(keyframe_s_).world_from_camera;
   const double true_height_m = height_m + start_height_m * std::expm1(-height_error_log_);
   const double sigma = 1e-3;
-  filter_.update_keyframe_view(
-      {.rotation = so3_exp(sigma * normal3()) * camera_from_keyframe.rotation,
-       .translation = camera_from_keyframe.translation / true_height_m + sigma * normal3()},
-      sigma * sigma * Matrix6d::Identity());
+  const PlaneMotion seen{
+      .rotation = so3_exp(sigma * normal3()) * camera_from_keyframe.rotation,
+      .translation = camera_from_keyframe.translation / true_height_m + sigma * normal3(),
+      .normal = ground_seen_from(truth_at(keyframe_s_).world_from_camera).normal_in_camera};
+  filter_.update_keyframe_view(view_of(seen, sigma), 1);
   constexpr double kPeriod_s = 0.7;
   if (time_s_ - keyframe_s_ < kPeriod_s) return;
   filter_.take_keyframe();

@@ -48,6 +48,13 @@ struct FusionScene {
   return config;
 }
 
+/// As of windows that know the motion for that normal to sigma, and nothing of another normal.
+[[nodiscard]] inline KeyframeView view_of(const PlaneMotion& motion, double sigma) {
+  KeyframeView view{.motion = motion, .tilt_axes = TiltAxes::Identity(), .windows = {}};
+  view.windows.covariance = sigma * sigma * Matrix6d::Identity();
+  return view;
+}
+
 /// Exact pose and its derivatives at a time.
 struct FusionTruth {
   RigidTransform world_from_camera;

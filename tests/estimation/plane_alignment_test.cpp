@@ -156,6 +156,34 @@ TEST(PlaneAlignment, translation_shows_the_tilt_of_the_ground) {
             0.1 * wrong);
 }
 
+// What the windows say by themselves of ground and motion does not hang on what was believed
+// before, nor on how firmly.
+TEST(PlaneAlignment, the_windows_alone_know_nothing_of_the_prior) {
+  const Camera camera = lens(DistortionModel::none);
+  const RigidTransform moved = pose(0.25, 0.1, 1.0, 0.1, -0.15, 0.2);
+  const PlaneMotion truth = motion_between(kFirst, moved);
+  const cv::Mat first = picture(camera, kFirst), second = picture(camera, moved);
+  TiltPrior prior;
+  prior.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>();
+  PlaneMotion believed = truth;
+  believed.normal = so3_exp(prior.axes * Eigen::Vector2d(0.006, -0.008)) * truth.normal;
+  const double wrong = (believed.normal - truth.normal).norm();
+  for (const double sigma_rad : {1e-4, 1e-3, 0.1}) {
+    prior.covariance = sigma_rad * sigma_rad * Eigen::Matrix2d::Identity();
+    const PlaneAlignment found = align(camera, first, second, believed, prior);
+    ASSERT_TRUE(found.solvable);
+    const WindowsAlone& alone = found.windows_alone;
+    const Eigen::Vector2d tilt = alone.tilt_information.ldlt().solve(alone.tilt_information_rad);
+    PlaneMotionStep step;
+    step << alone.motion_by_tilt * tilt, tilt;
+    const PlaneMotion by_windows = apply(found.motion, step, prior.axes);
+    // the last step's residue counts a prior's worth where the prior is as firm as that
+    EXPECT_LT((by_windows.normal - truth.normal).norm(), 0.4 * wrong) << sigma_rad;
+    EXPECT_LT(turn_error_rad(by_windows, truth), 0.1 * wrong) << sigma_rad;
+    EXPECT_LT(shift_error(by_windows, truth), 0.15 * wrong) << sigma_rad;
+  }
+}
+
 // A climb differs from a climb under another tilt in second order only: what an error of the lens
 // can feign as well must not count as knowledge. Translation along the ground still shows it.
 TEST(PlaneAlignment, a_climb_says_little_of_the_tilt_where_the_flow_may_err) {
