@@ -3,6 +3,9 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+# What ccache keeps does not hang on the folder: another clone of the same sources compiles nothing.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+
 say() { echo "== $*"; }
 
 # Through sudo only the packages need root: what is built belongs to the user who owns the tree.
