@@ -11,7 +11,7 @@
 #include "estimation/error_state.hpp"
 #include "estimation/fusion_config.hpp"
 #include "estimation/fusion_state.hpp"
-#include "estimation/plane_solver.hpp"
+#include "estimation/keyframe_view.hpp"
 
 namespace stillkite {
 
@@ -37,13 +37,6 @@ struct FeatureView {
   int feature = 0;  ///< its number in the reference
   Eigen::Vector2d bearing;
   Eigen::Matrix2d covariance;
-};
-
-/// The camera over the ground as the flow sees it from its keyframe, before any filter.
-struct KeyframeView {
-  PlaneMotion motion;  ///< lengths in heights of the keyframe
-  TiltAxes tilt_axes;
-  WindowsAlone windows;
 };
 
 /// Error-state Kalman filter on SO(3) of the camera's pose from the first frame, its velocity, the

@@ -177,8 +177,9 @@ void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
   out.mean_flow_px = flow / out.windows;
   out.ground_ratio = static_cast<double>(ground) / real;
   out.residual_px = solver_.residual_px(seen);
-  out.covariance = solver_.covariance(seen, solution);
-  out.windows_alone = solver_.windows_alone(seen, solution, out.tilt_rad);
+  const PlaneMotionMatrix scatter = solver_.scatter(seen, solution);
+  out.covariance = covariance_of(solution, scatter);
+  out.windows_alone = windows_alone(solution, scatter, out.tilt_rad);
   const Matrix6d A = solution.information.topLeftCorner<6, 6>();
   out.smooth_covariance = (solution.tilt_deflation - 1) * A.ldlt().solve(Matrix6d::Identity());
   const Vector6d scale = A.diagonal().cwiseSqrt().cwiseInverse();

@@ -109,7 +109,6 @@ PlaneSolution PlaneSolver::solve(const PlaneObservations& seen, const TiltPrior&
   return best;
 }
 
-// Sum over the clusters of s s^T, s the gradient that the solution leaves in one.
 PlaneMotionMatrix PlaneSolver::scatter(const PlaneObservations& seen,
                                        const PlaneSolution& solution) const {
   const TileMeasurements& m = seen.measurements;
@@ -140,56 +139,6 @@ PlaneMotionMatrix PlaneSolver::scatter(const PlaneObservations& seen,
   return scatter * (clusters > n ? static_cast<double>(clusters) / (clusters - n) : n);
 }
 
-PlaneMotionMatrix PlaneSolver::covariance(const PlaneObservations& seen,
-                                          const PlaneSolution& solution) const {
-  PlaneMotionMatrix scatter = this->scatter(seen, solution);
-  const int n = solution.parameters;
-  if (n == 8) {
-    const double k = solution.tilt_deflation;
-    scatter += k * solution.prior;
-    scatter.bottomRightCorner<2, 2>() +=
-        (k - 1) * tilt_alone(solution.information - solution.prior);
-  }
-  const ScaledSolver A(solution.information.topLeftCorner(n, n));
-  PlaneMotionMatrix covariance = PlaneMotionMatrix::Zero();
-  const SmallMatrix half = A.solve(scatter.topLeftCorner(n, n));
-  covariance.topLeftCorner(n, n) = A.solve(half.transpose());
-  return 0.5 * (covariance + covariance.transpose());
-}
-
-// Of motion and tilt with information A and scatter B, k the deflation: given the tilt the motion
-// is off by -A_mm^-1 A_mt tilt, with A_mm^-1 B_mm A_mm^-1 + (k - 1) A_mm^-1. Of the tilt, with the
-// motion taken out, S is left of A and B' of B: W = S (B' + (k - 1) S)^-1 S. The windows alone
-// would have it S^-1 P t from where it is, t from its prior P.
-WindowsAlone PlaneSolver::windows_alone(const PlaneObservations& seen,
-                                        const PlaneSolution& solution,
-                                        const Eigen::Vector2d& tilt_now) const {
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  const PlaneMotionMatrix A = solution.information - solution.prior;
-  const PlaneMotionMatrix B = scatter(seen, solution);
-  const double k = solution.tilt_deflation;
-  const ScaledSolver A_mm(A.topLeftCorner<6, 6>());
-  WindowsAlone out;
-  const Matrix6 half = A_mm.solve(B.topLeftCorner<6, 6>());
-  const Matrix6 sandwich = A_mm.solve(half.transpose());
-  out.covariance = 0.5 * (sandwich + sandwich.transpose());
-  if (solution.parameters < 8) return out;
-  out.covariance += (k - 1) * Matrix6(A_mm.solve(Matrix6::Identity()));
-  out.motion_by_tilt = -A_mm.solve(A.topRightCorner<6, 2>());
-  Eigen::Matrix<double, 8, 2> out_of_motion;
-  out_of_motion << out.motion_by_tilt, Eigen::Matrix2d::Identity();
-  const Eigen::Matrix2d S = tilt_alone(A);
-  const Eigen::Matrix2d errors = out_of_motion.transpose() * B * out_of_motion + (k - 1) * S;
-  const Eigen::LDLT<Eigen::Matrix2d> of_errors(errors);
-  const Eigen::Matrix2d W = S * of_errors.solve(S);
-  const Eigen::Vector2d W_turn =
-      S * of_errors.solve(solution.prior.bottomRightCorner<2, 2>() * tilt_now);
-  if (!W.allFinite() || !W_turn.allFinite()) return out;
-  out.tilt_information = 0.5 * (W + W.transpose());
-  out.tilt_information_rad = W_turn;
-  return out;
-}
-
 double PlaneSolver::residual_px(const PlaneObservations& seen) {
   scratch_.clear();
   const std::size_t stride = 1 + chi2_.size() / kEnoughForMedian;
@@ -217,6 +166,52 @@ double PlaneSolver::deviation_px(const PlaneObservations& seen) {
   const double variance = median_of(explained) / kMedianChi2;
   if (!(variance > 0)) return 0;
   return residual_px(seen) * std::sqrt(std::max(0.0, 1 - median_of(noise) / variance));
+}
+
+PlaneMotionMatrix covariance_of(const PlaneSolution& solution, const PlaneMotionMatrix& scatter) {
+  PlaneMotionMatrix errors = scatter;
+  const int n = solution.parameters;
+  if (n == 8) {
+    const double k = solution.tilt_deflation;
+    errors += k * solution.prior;
+    errors.bottomRightCorner<2, 2>() += (k - 1) * tilt_alone(solution.information - solution.prior);
+  }
+  const ScaledSolver A(solution.information.topLeftCorner(n, n));
+  PlaneMotionMatrix covariance = PlaneMotionMatrix::Zero();
+  const SmallMatrix half = A.solve(errors.topLeftCorner(n, n));
+  covariance.topLeftCorner(n, n) = A.solve(half.transpose());
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+// Of motion and tilt with information A and scatter B, k the deflation: given the tilt the motion
+// is off by -A_mm^-1 A_mt tilt, with A_mm^-1 B_mm A_mm^-1 + (k - 1) A_mm^-1. Of the tilt, with the
+// motion taken out, S is left of A and B' of B: W = S (B' + (k - 1) S)^-1 S. The windows alone
+// would have it S^-1 P t from where it is, t from its prior P.
+WindowsAlone windows_alone(const PlaneSolution& solution, const PlaneMotionMatrix& scatter,
+                           const Eigen::Vector2d& tilt_now) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  const PlaneMotionMatrix A = solution.information - solution.prior;
+  const double k = solution.tilt_deflation;
+  const ScaledSolver A_mm(A.topLeftCorner<6, 6>());
+  WindowsAlone out;
+  const Matrix6 half = A_mm.solve(scatter.topLeftCorner<6, 6>());
+  const Matrix6 sandwich = A_mm.solve(half.transpose());
+  out.covariance = 0.5 * (sandwich + sandwich.transpose());
+  if (solution.parameters < 8) return out;
+  out.covariance += (k - 1) * Matrix6(A_mm.solve(Matrix6::Identity()));
+  out.motion_by_tilt = -A_mm.solve(A.topRightCorner<6, 2>());
+  Eigen::Matrix<double, 8, 2> out_of_motion;
+  out_of_motion << out.motion_by_tilt, Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d S = tilt_alone(A);
+  const Eigen::Matrix2d errors = out_of_motion.transpose() * scatter * out_of_motion + (k - 1) * S;
+  const Eigen::LDLT<Eigen::Matrix2d> of_errors(errors);
+  const Eigen::Matrix2d W = S * of_errors.solve(S);
+  const Eigen::Vector2d W_turn =
+      S * of_errors.solve(solution.prior.bottomRightCorner<2, 2>() * tilt_now);
+  if (!W.allFinite() || !W_turn.allFinite()) return out;
+  out.tilt_information = 0.5 * (W + W.transpose());
+  out.tilt_information_rad = W_turn;
+  return out;
 }
 
 }  // namespace stillkite

@@ -59,16 +59,6 @@ struct PlaneSolution {
   bool ok = false;            ///< false: too few textured windows, or a singular system
 };
 
-/// What the windows say by themselves, without what was known of the normal: given one normal they
-/// tell the motion, and beside it how much that normal suits them. Angles of the normal are turns
-/// about the tilt axes from where the solution has it.
-struct WindowsAlone {
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< given it
-  Eigen::Matrix<double, 6, 2> motion_by_tilt = Eigen::Matrix<double, 6, 2>::Zero();
-  Eigen::Matrix2d tilt_information = Eigen::Matrix2d::Zero();      ///< W, 0 where they do not tell
-  Eigen::Vector2d tilt_information_rad = Eigen::Vector2d::Zero();  ///< W times the turn
-};
-
 /// Iteratively reweighted least squares with Geman-McClure weights on the windows' residuals
 /// against one global robust scale (the median of chi-square with two degrees of freedom).
 class PlaneSolver {
@@ -80,14 +70,10 @@ class PlaneSolver {
                                     const Eigen::Vector2d& tilt_now);
 
   /// Flow errors of neighbours are alike (relief, compression, moving water): what is independent
-  /// is a cluster of windows. The sandwich A^-1 (sum of s s^T) A^-1, s the gradient that the
-  /// solution leaves in a cluster (Cameron and Miller 2015, "Cluster-robust inference", eq. 11).
-  [[nodiscard]] PlaneMotionMatrix covariance(const PlaneObservations& seen,
-                                             const PlaneSolution& solution) const;
-
-  [[nodiscard]] WindowsAlone windows_alone(const PlaneObservations& seen,
-                                           const PlaneSolution& solution,
-                                           const Eigen::Vector2d& tilt_now) const;
+  /// is a cluster of windows. The sum over them of s s^T, s the gradient that the solution leaves
+  /// in one (Cameron and Miller 2015, "Cluster-robust inference", eq. 11).
+  [[nodiscard]] PlaneMotionMatrix scatter(const PlaneObservations& seen,
+                                          const PlaneSolution& solution) const;
 
   [[nodiscard]] const std::vector<float>& weights() const { return weights_; }
   /// Standard deviation of a window's flow after the step, px, in the median window.
@@ -99,11 +85,25 @@ class PlaneSolver {
   [[nodiscard]] double deviation_px(const PlaneObservations& seen);
 
  private:
-  [[nodiscard]] PlaneMotionMatrix scatter(const PlaneObservations& seen,
-                                          const PlaneSolution& solution) const;
-
   PlaneSolverConfig config_;
   std::vector<float> weights_, chi2_, scratch_;
 };
+
+/// Of the solution: the sandwich A^-1 B A^-1 of its information and its scatter.
+[[nodiscard]] PlaneMotionMatrix covariance_of(const PlaneSolution& solution,
+                                              const PlaneMotionMatrix& scatter);
+
+/// What the windows say by themselves, without what was known of the normal: given one normal they
+/// tell the motion, and beside it how much that normal suits them. Angles of the normal are turns
+/// about the tilt axes from where the solution has it.
+struct WindowsAlone {
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< given it
+  Eigen::Matrix<double, 6, 2> motion_by_tilt = Eigen::Matrix<double, 6, 2>::Zero();
+  Eigen::Matrix2d tilt_information = Eigen::Matrix2d::Zero();      ///< W, 0 where they do not tell
+  Eigen::Vector2d tilt_information_rad = Eigen::Vector2d::Zero();  ///< W times the turn
+};
+[[nodiscard]] WindowsAlone windows_alone(const PlaneSolution& solution,
+                                         const PlaneMotionMatrix& scatter,
+                                         const Eigen::Vector2d& tilt_now);
 
 }  // namespace stillkite

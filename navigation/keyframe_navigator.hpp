@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/fusion_filter.hpp"
+#include "estimation/keyframe_view.hpp"
 #include "estimation/plane_alignment.hpp"
 #include "flow/pyramid.hpp"
 #include "navigation/frame_interval.hpp"
