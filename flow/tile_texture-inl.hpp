@@ -44,7 +44,7 @@ HWY_INLINE std::array<float, 4> sum_of_blocks(VF sums) {
     const hn::Half<decltype(d)> half;
     return sum_of_blocks(hn::Add(hn::LowerHalf(half, sums), hn::UpperHalf(half, sums)));
   } else {
-    std::array<float, 4> out;
+    std::array<float, 4> out{};
     hn::StoreU(sums, d, out.data());
     return out;
   }
