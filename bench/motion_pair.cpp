@@ -26,6 +26,7 @@ namespace {
 
 constexpr double kNoise_grey = 1.5;
 constexpr double kGuessOff_px = 2;
+constexpr int kEnoughSeeds = 50;  // with a dozen an RMS is below a true bound by chance
 
 struct Answer {
   std::optional<Twist> twist;
@@ -147,7 +148,9 @@ std::vector<Method> make_methods(const Camera& camera, bool scene_a) {
     };
     methods.push_back(Method{.name = name, .run = answer});
   };
-  tiles("tiles, fast (32x16)", {.tile_columns = 32, .tile_rows = 16}, scene_a ? 1.3 : 2.6);
+  tiles("tiles, fast (32x24)",
+        {.levels = 3, .tile_columns = 32, .tile_rows = 24, .solver = {.reweightings = 1}},
+        scene_a ? 1.3 : 2.6);
   tiles("tiles, accurate (16x16)", {.tile_rows = 16}, scene_a ? 1.3 : 1.8);
   tiles("tiles, the default (16x8)", {}, 0);
   auto dense = std::make_shared<DenseLucasKanade>(DenseLucasKanadeConfig{});
@@ -195,7 +198,7 @@ bool report(const std::vector<Method>& methods, double bound_m_s, bool judge) {
     fmt::print("{:<30} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.5f} {:>9.5f} {:>9.2f} {:>9.2f} {:>8}\n",
                m.name, ms, dis_fast_ms / ms, pyramidal_ms / ms, mean.head<3>().norm(), rms,
                mean.head<3>().norm() / bound_m_s, rms / bound_m_s, m.failed);
-    if (rms < 0.9 * bound_m_s) {
+    if (m.errors.size() >= kEnoughSeeds && rms < 0.9 * bound_m_s) {
       fmt::print(stderr, "{}: better than the bound, so the bound is wrong\n", m.name);
       good = false;
     }
@@ -242,8 +245,9 @@ bool run_scene(const std::string& name, const BenchMotion& motion, const std::st
 int compare(int argc, char** argv) {
   CLI::App app{
       "Velocity from one pair of 1920x1080 pictures, scenes A and B: error and time in one row.\n"
-      "Fails where a method beats the Cramer-Rao bound or a tile method misses its ratio."};
-  int seeds = 50;
+      "Fails where a tile method misses its ratio and, from 50 seeds on, where a method beats the "
+      "Cramer-Rao bound."};
+  int seeds = kEnoughSeeds;
   std::string photograph;
   app.add_option("--seeds", seeds, "noise seeds")->capture_default_str();
   app.add_option("--photograph", photograph, "ground from a picture instead of the procedural one");

@@ -111,5 +111,24 @@ TEST(TileFlow, a_sheared_edge_from_black_to_white_does_not_move) {
   }
 }
 
+// White that should be twice as bright and is black, but for one row: in the largest window the
+// squares of what is left fill 32 bits.
+TEST(TileFlow, white_that_became_black_leaves_its_squares) {
+  constexpr int kColumns = 32, kRows = 24;
+  constexpr float kGain = 1.98F;
+  const TileGrid grid = make_tile_grid(kSide_px, kSide_px, kColumns, kRows);
+  cv::Mat white(kSide_px, kSide_px, CV_8UC1, cv::Scalar(255));
+  white.row(grid.top_px[0] + kRows / 2) = 0;
+  const cv::Mat black(kSide_px, kSide_px, CV_8UC1, cv::Scalar(0));
+  TileTextures textures = unknown(grid);
+  TileFlow flow;
+  const TileMeasurements& m =
+      flow.measure(white, black, grid, placed(grid, 0, 0, 0), TileWarp::shift, kGain,
+                   {.cubic = true, .contrast = true}, textures);
+  constexpr float kShare = 1.0F / kRows;
+  const float squares = kColumns * kRows * kShare * (1 - kShare) * (kGain * 255) * (kGain * 255);
+  EXPECT_NEAR(m.residual[0], squares, 0.01F * squares);
+}
+
 }  // namespace
 }  // namespace stillkite
