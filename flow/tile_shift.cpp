@@ -103,16 +103,18 @@ TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdi
       q += cur_stride;
     }
     const auto real = [](V32 v) { return hn::ConvertTo(hn::Rebind<float, D32>(), v); };
-    // a square is never negative, and white that became black takes all 32 bits of one
-    const V32 half_rr =
-        hn::BitCast(D32(), hn::ShiftRight<1>(hn::BitCast(hn::RebindToUnsigned<D32>(), rr)));
-    const auto with_residual = totals(real(gx), real(gy), real(sr), real(half_rr));
+    // white that became black takes all 32 bits of a sum of squares, which is never negative
+    const auto signed_rr = real(rr);
+    const hn::DFromV<decltype(signed_rr)> df;
+    const auto real_rr = hn::IfThenElse(hn::Lt(signed_rr, hn::Zero(df)),
+                                        hn::Add(signed_rr, hn::Set(df, 4294967296.0F)), signed_rr);
+    const auto with_residual = totals(real(gx), real(gy), real(sr), real_rr);
     s.gx += with_residual[0] / 32;
     s.gy += with_residual[1] / 32;
     s.r += with_residual[2] / 16;
     if constexpr (kWithContrast) {
       const auto of_brightness = totals(real(s0), real(s00), real(s0r), real(zero));
-      s.rr += with_residual[3] / 128;
+      s.rr += with_residual[3] / 256;
       s.i0 += of_brightness[0];
       s.i0i0 += of_brightness[1];
       s.i0r += of_brightness[2] / 16;
