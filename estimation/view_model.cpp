@@ -52,40 +52,56 @@ std::optional<std::size_t> clearly_smaller(double first, double second, double m
   return std::nullopt;
 }
 
-std::optional<std::size_t> by_hints(const std::array<PlaneView, 2>& views,
-                                    const RelativePoseHints& hints, double vertical_sigma_deg) {
-  const auto of_both = [&](const auto& measure) {
-    return std::array<double, 2>{measure(views[0]), measure(views[1])};
-  };
-  if (hints.up_in_reference && hints.up_in_current) {
-    const auto [a, b] = of_both([&](const PlaneView& view) {
-      return angle_deg(view.current_from_reference * *hints.up_in_reference, *hints.up_in_current);
-    });
-    if (const auto k = clearly_smaller(a, b, 3 * vertical_sigma_deg)) return k;
-  }
-  if (hints.up_in_reference) {
-    const auto [a, b] = of_both([&](const PlaneView& view) {
-      const double angle = angle_deg(view.normal, *hints.up_in_reference);
-      return std::min(angle, 180 - angle);
-    });
-    constexpr double kLevel_deg = 10;
-    if (std::min(a, b) < kLevel_deg) {
-      if (const auto k = clearly_smaller(a, b, 0.5 * kLevel_deg)) return k;
-    }
-  }
-  if (hints.prior) {
-    const auto [a, b] = of_both([&](const PlaneView& view) {
-      return angle_between_rad(view.current_from_reference, hints.prior->current_from_reference) /
-             kDegree;
-    });
-    constexpr double kPriorRotation_deg = 2.5;
-    if (const auto k = clearly_smaller(a, b, kPriorRotation_deg)) return k;
-    const auto [c, d] = of_both(
-        [&](const PlaneView& view) { return angle_deg(view.translation, hints.prior->direction); });
-    constexpr double kPriorDirection_deg = 25;
-    if (std::min(c, d) < kPriorDirection_deg) return clearly_smaller(c, d, kPriorDirection_deg);
-  }
-  return std::nullopt;
+using Choice = std::optional<std::size_t>;
+using TwoViews = std::array<PlaneView, 2>;
+
+std::array<double, 2> of_both(const TwoViews& views, const auto& measure) {
+  return {measure(views[0]), measure(views[1])};
+}
+
+Choice by_vertical(const TwoViews& views, const RelativePoseHints& hints, double sigma_deg) {
+  if (!hints.up_in_reference || !hints.up_in_current) return std::nullopt;
+  const auto [a, b] = of_both(views, [&](const PlaneView& view) {
+    return angle_deg(view.current_from_reference * *hints.up_in_reference, *hints.up_in_current);
+  });
+  return clearly_smaller(a, b, 3 * sigma_deg);
+}
+
+Choice by_level(const TwoViews& views, const RelativePoseHints& hints) {
+  constexpr double kLevel_deg = 10;
+  if (!hints.up_in_reference) return std::nullopt;
+  const auto [a, b] = of_both(views, [&](const PlaneView& view) {
+    const double angle = angle_deg(view.normal, *hints.up_in_reference);
+    return std::min(angle, 180 - angle);
+  });
+  if (std::min(a, b) >= kLevel_deg) return std::nullopt;
+  return clearly_smaller(a, b, 0.5 * kLevel_deg);
+}
+
+Choice by_prior(const TwoViews& views, const RelativePoseHints& hints) {
+  constexpr double kRotation_deg = 2.5;
+  constexpr double kDirection_deg = 25;
+  if (!hints.prior) return std::nullopt;
+  const auto [a, b] = of_both(views, [&](const PlaneView& view) {
+    return angle_between_rad(view.current_from_reference, hints.prior->current_from_reference) /
+           kDegree;
+  });
+  if (const Choice k = clearly_smaller(a, b, kRotation_deg)) return k;
+  const auto [c, d] = of_both(views, [&](const PlaneView& view) {
+    return angle_deg(view.translation, hints.prior->direction);
+  });
+  if (std::min(c, d) >= kDirection_deg) return std::nullopt;
+  return clearly_smaller(c, d, kDirection_deg);
+}
+
+// The first that has a choice, unless both others are against it: a vertical carried on by the flow
+// is off by degrees where much of the picture moves otherwise.
+Choice by_hints(const TwoViews& views, const RelativePoseHints& hints, double vertical_sigma_deg) {
+  const Choice vertical = by_vertical(views, hints, vertical_sigma_deg);
+  const Choice level = by_level(views, hints);
+  const Choice prior = by_prior(views, hints);
+  if (level && level == prior) return level;
+  return vertical ? vertical : level ? level : prior;
 }
 
 }  // namespace

@@ -27,8 +27,8 @@ struct ModelEvidence {
 [[nodiscard]] ViewModel simplest_model(const ModelEvidence& evidence);
 
 /// Which of the two views that share a homography: the one with the pairs in front, then the one
-/// that keeps the vertical, then the one whose plane is level, then the one near the prior. Nothing
-/// where none of these tells them apart.
+/// that keeps the vertical, then the one whose plane is level, then the one near the prior; level
+/// ground and the prior together outvote the vertical. Nothing where none tells them apart.
 [[nodiscard]] std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
                                                      const BearingColumns& inliers,
                                                      const RelativePoseHints& hints,

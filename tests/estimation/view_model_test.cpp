@@ -104,5 +104,44 @@ TEST(PlaneView, two_views_that_nothing_tells_apart_are_undecided) {
   EXPECT_GT(undecided, 3);
 }
 
+// As the vertical is that an estimator carries on which something else in the picture pulls at.
+TEST(PlaneView, a_vertical_that_errs_does_not_outvote_level_ground_and_the_prior) {
+  const TwoViewScene scene{.content = ViewModel::plane, .points = 300, .baseline = 0.3};
+  int decided = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const TwoViews views = make_two_views(scene, seed);
+    const PlaneView truth{views.truth.current_from_reference,
+                          scene.baseline * views.truth.direction, views.normal};
+    for (const PlaneView& other : decompose_homography(truth.homography())) {
+      const double apart_rad =
+          angle_between_rad(other.current_from_reference, truth.current_from_reference);
+      if (apart_rad < 3 * kDegree) continue;  // the true view, or too near for the prior to tell
+      RelativePoseHints hints = vertical_of(views);
+      hints.up_in_current = other.current_from_reference * *hints.up_in_reference;
+      hints.prior = views.truth;
+      const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {}, hints);
+      if (found.model != ViewModel::plane) continue;
+      ++decided;
+      EXPECT_LT(rotation_error_deg(found.pose, views.truth), 0.3) << seed;
+    }
+  }
+  EXPECT_GT(decided, 10);
+}
+
+TEST(PlaneView, a_vertical_tells_the_poses_of_a_wall_apart) {
+  int decided = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 300}, seed);
+    RelativePoseHints hints;
+    hints.up_in_reference = views.normal.unitOrthogonal();
+    hints.up_in_current = views.truth.current_from_reference * *hints.up_in_reference;
+    const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {}, hints);
+    if (found.model != ViewModel::plane) continue;
+    ++decided;
+    EXPECT_LT(rotation_error_deg(found.pose, views.truth), 0.3) << seed;
+  }
+  EXPECT_GT(decided, 15);
+}
+
 }  // namespace
 }  // namespace stillkite

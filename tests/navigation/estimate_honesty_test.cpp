@@ -58,9 +58,7 @@ cv::Mat with_crowd(const cv::Mat& picture, int index) {
 class EstimateHonesty : public testing::TestWithParam<Policy> {};
 
 // As near as where nothing is in the way, or as the covariance allows. It tells of noise, not of
-// how those that move otherwise pull at the answer: measured are 8.5 sigma. One frame of all
-// flights may be worse: of a plane's two poses the reference, by which the fusion answers until it
-// knows metres, once takes the false one.
+// how those that move otherwise pull at the answer: measured are 8.5 sigma.
 TEST_P(EstimateHonesty, FortyPercentThatMoveOtherwiseAreNotBelieved) {
   constexpr double kMost = 10 * 10;
   int ok = 0;
@@ -88,7 +86,7 @@ TEST_P(EstimateHonesty, FortyPercentThatMoveOtherwiseAreNotBelieved) {
       if (!has_turned_well || !has_gone_well || is_far_off) ++wrong;
     }
   }
-  EXPECT_LE(wrong, 1);
+  EXPECT_EQ(wrong, 0);
   EXPECT_GT(ok, 0.8 * kLast * static_cast<double>(std::size(kMotions)));
 }
 
