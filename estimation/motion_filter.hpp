@@ -9,7 +9,7 @@
 namespace stillkite {
 
 struct MotionFilterConfig {
-  double acceleration_density = 0.3;
+  double acceleration_density = 0.2;
   double angular_acceleration_density = 0.3;
 
   static void fields(auto& self, auto&& field) {

@@ -103,7 +103,7 @@ TEST(Cut, IsRefusedAndThenTheNewPlaceIsFollowed) {
     const NavigationEstimate e = navigator.step(frame);
     if (i >= 20 && i < 24) {
       EXPECT_EQ(e.verdict, Verdict::lost) << i;
-    } else if (i >= 27) {
+    } else if (i >= 28) {
       EXPECT_EQ(e.verdict, Verdict::ok) << i;
       // upside down, it flies backwards
       const Twist& truth = flight.record.twists_in_camera[i - 1].twist;
