@@ -121,6 +121,10 @@ class FusionFilter {
   // d(rotation, position, velocity) by the errors before, and what noise adds to them
   using Transition = Eigen::Matrix<double, 9, FusionIndex::kAnchorRotation>;
   using Matrix9d = Eigen::Matrix<double, 9, 9>;
+  // of the errors that are no copies and no landmarks
+  static constexpr int kOwn = FusionIndex::kAnchorRotation;
+  using OwnMatrix = Eigen::Matrix<double, kOwn, kOwn>;
+  using OwnVector = Eigen::Matrix<double, kOwn, 1>;
   struct LandmarkView {
     std::size_t landmark;
     Eigen::Vector2d bearing;
@@ -158,13 +162,19 @@ class FusionFilter {
     StrayRatio stray;
   };
   using StartLandmarks = std::map<int, StartLandmark>;  // by features
+  using StartWay = std::vector<RigidTransform>;         // world from camera, a frame each
   struct StartPasses {
     StartLandmarks about = {};
+    StartWay way = {};  // that goes with these depths; empty: each frame's resection
     int weighings = 0;
     int done = 0;
     bool is_settled = false;
   };
   struct Retold;
+  struct Resection {
+    RigidTransform world_from_camera;
+    Matrix6d information;  // of (rotation, position)
+  };
   // of the ground's normal from that of a keyframe's view, about its tilt axes
   struct KeyframeTilt {
     Eigen::Vector2d tilt_rad;
@@ -204,11 +214,17 @@ class FusionFilter {
   void forget_start();
   void begin_passes(std::size_t frames);
   void relinearize_start();
-  [[nodiscard]] StartLandmarks landmarks_at_hand() const;
+  [[nodiscard]] StartPasses passes_about(const std::vector<Landmark>& landmarks,
+                                         std::size_t frames) const;
   [[nodiscard]] Retold next_pass(StartPasses& passes) const;
-  [[nodiscard]] Retold retold_about(StartLandmarks& about, std::size_t frames) const;
-  void retell_views(std::span<const FeatureView> seen, StartLandmarks& about, Retold& again);
-  [[nodiscard]] RigidTransform resected(std::span<const FeatureView> seen) const;
+  [[nodiscard]] Retold retold_about(StartPasses& passes, std::size_t frames) const;
+  void retell_views(std::span<const FeatureView> seen, const RigidTransform* world_from_camera,
+                    StartLandmarks& about, Retold& again);
+  [[nodiscard]] StartWay smoothed_way(const std::vector<Landmark>& landmarks,
+                                      std::size_t frames) const;
+  bool correct_pose(const Resection& seen_from);
+  [[nodiscard]] std::optional<Resection> resection(std::span<const FeatureView> seen,
+                                                   const std::vector<Landmark>& landmarks) const;
   void adopt(const FusionFilter& again);
   [[nodiscard]] int size() const;
   [[nodiscard]] static int column_of(std::size_t landmark) {
@@ -251,6 +267,8 @@ class FusionFilter {
   std::vector<StartPasses> passes_;  // while the start is gone through again
   std::size_t passes_frames_ = 0;    // so much of it
   bool is_relinearized_ = false;
+  // d(own errors) by those after the frame before
+  OwnMatrix since_frame_ = OwnMatrix::Identity();
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
 };
 

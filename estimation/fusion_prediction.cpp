@@ -108,6 +108,7 @@ void FusionFilter::predict(const InertialStep& step) {
 
 void FusionFilter::propagate(const Transition& F, const Matrix9d& noise, double dt_s) {
   const int n = size();
+  since_frame_.topRows<9>() = (F * since_frame_).eval();
   const Eigen::MatrixXd rows = F * P_.topLeftCorner(Index::kAnchorRotation, n);
   P_.topLeftCorner(9, n) = rows;
   P_.topLeftCorner(n, 9) = rows.transpose();

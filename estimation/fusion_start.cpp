@@ -9,14 +9,15 @@
 // Of a hover's first pictures way and depths are known together or not at all, and a filter
 // linearises each picture about what it knew by then. Once a few are there, all are gone through
 // again about the depths and the poses that they tell as a whole, until these stay: Gauss and
-// Newton's steps on the whole start (iterated Kalman smoother: Bell 1994).
+// Newton's steps on the whole start (iterated Kalman smoother: Bell 1994). The poses are smoothed
+// (fusion_start_way.cpp).
 namespace stillkite {
 namespace {
 
 using Index = FusionIndex;
 constexpr std::size_t kFirstFrames = 20;
 constexpr std::size_t kLastFrames = 40;
-constexpr int kMostPasses = 8;
+constexpr int kMostPasses = 16;
 constexpr int kWeighings = 2;
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
 
@@ -54,13 +55,14 @@ void FusionFilter::forget_start() {
 // The nearest answer to the guesses is at times a false one, as is that of the filter itself.
 void FusionFilter::begin_passes(std::size_t frames) {
   passes_frames_ = frames;
+  StartPasses at_hand = passes_about(landmarks_, frames);
   if (is_relinearized_) {
-    passes_ = {StartPasses{.about = landmarks_at_hand(), .weighings = kWeighings}};
+    at_hand.weighings = kWeighings;
+    passes_ = {std::move(at_hand)};
     return;
   }
-  StartLandmarks depths = landmarks_at_hand();
-  for (auto& [feature, landmark] : depths) landmark.stray = {};
-  passes_ = {StartPasses{}, StartPasses{.about = std::move(depths)}};
+  for (auto& [feature, landmark] : at_hand.about) landmark.stray = {};
+  passes_ = {StartPasses{}, std::move(at_hand)};
 }
 
 void FusionFilter::relinearize_start() {
@@ -83,27 +85,33 @@ void FusionFilter::relinearize_start() {
   }
   const bool is_weighed = passes_.front().weighings > 0;
   passes_.clear();
-  if (best && !is_weighed) {
-    passes_ = {StartPasses{.about = best->filter.landmarks_at_hand(), .weighings = kWeighings}};
-  } else if (best) {
-    StartLandmarks about = best->filter.landmarks_at_hand();
-    adopt(retold_about(about, frames).filter);
-    is_relinearized_ = true;
+  if (best) {
+    const std::size_t known = is_weighed ? frames : passes_frames_;
+    StartPasses next = passes_about(best->filter.landmarks_, known);
+    if (is_weighed) {
+      adopt(retold_about(next, frames).filter);
+      is_relinearized_ = true;
+    } else {
+      next.weighings = kWeighings;
+      passes_ = {std::move(next)};
+    }
   }
   if (passes_.empty() && frames >= kLastFrames) forget_start();
 }
 
-FusionFilter::StartLandmarks FusionFilter::landmarks_at_hand() const {
-  StartLandmarks landmarks;
-  for (const Landmark& l : landmarks_) landmarks[l.feature] = {l.inverse_depth, l.stray};
-  return landmarks;
+FusionFilter::StartPasses FusionFilter::passes_about(const std::vector<Landmark>& landmarks,
+                                                     std::size_t frames) const {
+  StartPasses passes{.way = smoothed_way(landmarks, frames)};
+  for (const Landmark& l : landmarks) passes.about[l.feature] = {l.inverse_depth, l.stray};
+  return passes;
 }
 
 // Settled once no depth moves, where all are in view. In the first passes, as many as `weighings`,
 // each landmark is weighed by what its views were off by in the one before.
 FusionFilter::Retold FusionFilter::next_pass(StartPasses& passes) const {
   constexpr double kSettled_sigma = 0.1;
-  Retold again = retold_about(passes.about, passes_frames_);
+  Retold again = retold_about(passes, passes_frames_);
+  passes.way = smoothed_way(again.filter.landmarks_, passes_frames_);
   const bool weighs = passes.done++ < passes.weighings;
   passes.is_settled = std::isfinite(again.cost) && !weighs;
   for (std::size_t i = 0; i < again.filter.landmarks_.size(); ++i) {
@@ -120,16 +128,17 @@ FusionFilter::Retold FusionFilter::next_pass(StartPasses& passes) const {
   return again;
 }
 
-// A filter that has been told the same up to a frame, linearised about depths; where none is given
-// yet about the guess, which is then given.
-FusionFilter::Retold FusionFilter::retold_about(StartLandmarks& about, std::size_t frames) const {
+// A filter that has been told the same up to a frame, linearised about depths and a way; where no
+// depth is given yet about the guess, which is then given.
+FusionFilter::Retold FusionFilter::retold_about(StartPasses& passes, std::size_t frames) const {
   FusionConfig config = config_;
   config.relinearize_start = false;
   config.depth_correlated_frames = 0;
   Retold again{.filter = FusionFilter(config, start_), .cost = 0, .strays = {}};
   for (std::size_t i = 0; i < frames; ++i) {
     for (const auto& tell : told_[i].told) tell(again.filter);
-    again.filter.retell_views(told_[i].seen, about, again);
+    const RigidTransform* pose = passes.way.empty() ? nullptr : &passes.way[i];
+    again.filter.retell_views(told_[i].seen, pose, passes.about, again);
   }
   for (Landmark& landmark : again.filter.landmarks_) {
     landmark.stray = again.strays[landmark.feature];
@@ -138,7 +147,8 @@ FusionFilter::Retold FusionFilter::retold_about(StartLandmarks& about, std::size
 }
 
 // Adds what the views were off by; infinite where one cannot be seen.
-void FusionFilter::retell_views(std::span<const FeatureView> seen, StartLandmarks& about,
+void FusionFilter::retell_views(std::span<const FeatureView> seen,
+                                const RigidTransform* world_from_camera, StartLandmarks& about,
                                 Retold& again) {
   const RigidTransform predicted = state_.world_from_camera;
   Eigen::VectorXd offset = Eigen::VectorXd::Zero(size());
@@ -151,7 +161,11 @@ void FusionFilter::retell_views(std::span<const FeatureView> seen, StartLandmark
     landmark.inverse_depth = linear.inverse_depth;
     landmark.stray = linear.stray;
   }
-  state_.world_from_camera = resected(seen);
+  if (world_from_camera) {
+    state_.world_from_camera = *world_from_camera;
+  } else if (const std::optional<Resection> seen_from = resection(seen, landmarks_)) {
+    state_.world_from_camera = seen_from->world_from_camera;
+  }
   offset.segment<3>(Index::kRotation) =
       so3_log(state_.world_from_camera.rotation * predicted.rotation.conjugate());
   offset.segment<3>(Index::kPosition) =
@@ -170,38 +184,6 @@ void FusionFilter::retell_views(std::span<const FeatureView> seen, StartLandmark
   for (std::size_t i = 0; i < views.size(); ++i) {
     again.strays[landmarks_[views[i].landmark].feature].add(errors.squared[i] / errors.usual);
   }
-}
-
-// Where the depths at hand put the camera, by least squares from the predicted pose.
-RigidTransform FusionFilter::resected(std::span<const FeatureView> seen) const {
-  constexpr int kSteps = 5;
-  constexpr std::size_t kFewest = 6;
-  Eigen::MatrixXd of_pose = Eigen::MatrixXd::Zero(size(), 6);
-  of_pose.topRows<6>().setIdentity();
-  FusionState state = state_;
-  for (int step = 0; step < kSteps; ++step) {
-    Matrix6d N = Matrix6d::Zero();
-    Vector6d b = Vector6d::Zero();
-    std::size_t count = 0;
-    for (const FeatureView& view : seen) {
-      const std::optional<std::size_t> i = landmark_of(view.feature);
-      if (!i) continue;
-      const auto innovation =
-          landmark_innovation(state, landmarks_[*i], column_of(*i), view.bearing, view.covariance);
-      if (!innovation) continue;
-      const Eigen::Matrix<double, 2, 6> H = innovation->H.times(of_pose);
-      const Eigen::Matrix<double, 2, 6> weighted = view.covariance.llt().solve(H);
-      N += H.transpose() * weighted;
-      b += weighted.transpose() * innovation->residual;
-      ++count;
-    }
-    const Vector6d x = N.ldlt().solve(b);
-    if (count < kFewest || !x.allFinite()) return state_.world_from_camera;
-    RigidTransform& pose = state.world_from_camera;
-    pose.rotation = (so3_exp(x.head<3>()) * pose.rotation).normalized();
-    pose.translation += x.tail<3>();
-  }
-  return state.world_from_camera;
 }
 
 // Landmarks that have been given up meanwhile are left out. The ground is to be told again.
