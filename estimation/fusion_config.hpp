@@ -11,7 +11,7 @@ inline constexpr double kCarefulFrames = 300;
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
   double pixel_sigma_px = 0.02;
-  double pixel_noise_ratio = 1.5;
+  double pixel_noise_ratio = 1.3;
   double window_error_ratio = 1.0;
   double window_error_way = 0.03;
   double stray_above_ratio = 2.0;
@@ -21,7 +21,7 @@ struct FusionConfig {
   int landmarks = 48;
   int min_landmarks = 12;
   double renew_below_ratio = 0.3;
-  double inverse_depth_sigma_ratio = 0.5;
+  double inverse_depth_sigma_ratio = 1.0;
   double scale_sigma_ratio = 0.5;
   double metric_below_sigma_ratio = 0.25;
   double height_sigma_ratio = 0.02;

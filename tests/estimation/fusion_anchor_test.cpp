@@ -64,8 +64,9 @@ double common_depth_sigma(const FusionMap& map) {
 TEST(FusionFilter, WhatAllDepthsAreWrongByIsTheScales) {
   FusionScene scene;
   scene.has_landmarks = false;
+  scene.inverse_depth_spread = 0.2;
   FusionConfig config = few_landmarks();
-  config.inverse_depth_sigma_ratio = 0.2;
+  config.inverse_depth_sigma_ratio = scene.inverse_depth_spread;
   FusionSimulation flight(scene, config, 6);
   for (int i = 0; i < 50; ++i) flight.step();
   FusionFilter& filter = flight.filter();

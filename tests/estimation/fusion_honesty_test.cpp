@@ -29,6 +29,18 @@ std::array<double, 10> nees_by_second(const FusionScene& scene, const FusionConf
   return mean;
 }
 
+double nees_after_a_second(const FusionScene& scene, const FusionConfig& config, int seeds) {
+  double mean = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    FusionSimulation flight(scene, config, static_cast<std::uint64_t>(seed) + 100);
+    for (int i = 0; i < 30; ++i) flight.step();
+    const Vector6d error = flight.pose_error();
+    mean += error.dot(flight.filter().pose_covariance().ldlt().solve(error)) / seeds;
+  }
+  std::printf("NEES after a second: %.2f\n", mean);
+  return mean;
+}
+
 // 99 % band of the mean of 60 chi-square variables of 6 degrees of freedom
 constexpr double kLow = 4.92;
 constexpr double kHigh = 7.22;
@@ -45,7 +57,7 @@ int outside_the_band(const std::array<double, 10>& nees) {
 // Too careful the filter may be at first: `depth_correlated_frames`.
 void expect_not_too_sure(const std::array<double, 10>& nees) {
   EXPECT_LE(std::count_if(nees.begin(), nees.end(), [](double x) { return x > kHigh; }), 1);
-  EXPECT_GT(*std::min_element(nees.begin() + 1, nees.end()), 0.8 * kLow);
+  EXPECT_GT(*std::min_element(nees.begin() + 1, nees.end()), 0.7 * kLow);
 }
 
 // Seen for 3 s, left for 5 s of inertia alone, and found again: the place is known as before.
@@ -86,7 +98,6 @@ TEST(FusionFilter, CovarianceIsHonestWhereWindowErrorsLast) {
   FusionScene scene;
   scene.window_error_ratio = 1.5;
   FusionConfig config = few_landmarks();
-  config.relinearize_start = false;  // of ten such landmarks it would be too sure for 2 s
   EXPECT_GT(most(nees_by_second(scene, config, 20)), 20) << "the case tells nothing";
   config.window_error_ratio = scene.window_error_ratio;
   config.window_error_way = scene.window_error_way;
@@ -141,8 +152,9 @@ TEST(FusionFilter, CovarianceIsHonestWithTheFlow) {
   scene.has_imu = false;
   scene.has_flow = true;
   // a depth known to 50 % is too vague to be linear (docs/fusion.md)
+  scene.inverse_depth_spread = 0.2;
   FusionConfig config = few_landmarks();
-  config.inverse_depth_sigma_ratio = 0.2;
+  config.inverse_depth_sigma_ratio = scene.inverse_depth_spread;
   EXPECT_LE(outside_the_band(nees_by_second(scene, config)), 1);
 }
 
@@ -179,8 +191,26 @@ TEST(FusionFilter, KnowsItsWayByThePicturesOfTheStartAsAWhole) {
     again_m2 += flight.pose_error().head<3>().squaredNorm() / kSeeds;
   }
   std::printf("off by %.4f m, gone through once %.4f\n", std::sqrt(again_m2), std::sqrt(once_m2));
-  EXPECT_LT(std::sqrt(again_m2), 0.6 * std::sqrt(once_m2));
-  EXPECT_LT(most(nees_by_second(scene, white_noise(), kSeeds)), 12);
+  EXPECT_LT(std::sqrt(again_m2), 0.3 * std::sqrt(once_m2));
+  EXPECT_LT(most(nees_by_second(scene, white_noise(), kSeeds)), 10);
+}
+
+// Of pictures of things far and near, whose depths differ by more than the guesses are told to be
+// off by, a turn and depths all alike explain nearly as much as the way: it must not be preferred.
+TEST(FusionFilter, DoesNotTakeFarAndNearForAlike) {
+  FusionScene scene;
+  scene.sway_m = 0;
+  scene.turn_rad = 0;
+  scene.drift_m_s2 = 0.2;
+  scene.inverse_depth_spread = 1;
+  for (const double pixel_sigma_px : {0.2, 0.4}) {
+    scene.pixel_sigma_px = pixel_sigma_px;
+    FusionConfig config = white_noise();
+    config.inverse_depth_sigma_ratio = 0.5;
+    EXPECT_GT(nees_after_a_second(scene, config, 8), 30) << "the case tells nothing";
+    config.inverse_depth_sigma_ratio = FusionConfig{}.inverse_depth_sigma_ratio;
+    EXPECT_LT(nees_after_a_second(scene, config, 8), 9);
+  }
 }
 
 // Whatever the filter was told it is told again: where all is linear nothing changes.
@@ -190,8 +220,9 @@ TEST(FusionFilter, ForgetsNothingWhenItGoesThroughItsStartAgain) {
   scene.has_flow = true;
   scene.sway_m = 0.05;
   scene.turn_rad = 0.005;
+  scene.inverse_depth_spread = 0.02;
   FusionConfig config = few_landmarks();
-  config.inverse_depth_sigma_ratio = 0.02;
+  config.inverse_depth_sigma_ratio = scene.inverse_depth_spread;
   config.height_sigma_ratio = 0.05;
   config.scale_sigma_ratio = 0.05;
   FusionConfig plain = config;

@@ -39,7 +39,6 @@ FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig&
   first_bearing_ = (truth_at(0).world_from_camera.inverse() * points_[0]).hnormalized();
 }
 
-// Of the filter's guess of a place the truth is off by as much as the filter is told.
 Eigen::Vector3d FusionSimulation::add_point(int feature, double error_log) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Eigen::Vector2d bearing(0.8 * uniform(engine_), 0.5 * uniform(engine_));
@@ -47,8 +46,8 @@ Eigen::Vector3d FusionSimulation::add_point(int feature, double error_log) {
   filter_.add_landmark({feature, bearing + noise * Eigen::Vector2d(normal(), normal()),
                         noise * noise * Eigen::Matrix2d::Identity()});
   const double guess = filter_.landmarks().back().inverse_depth;
-  const double inverse_depth = std::max(0.1, 1 + config_.inverse_depth_sigma_ratio * normal()) *
-                               guess * std::exp(-error_log);
+  const double inverse_depth =
+      std::max(0.1, 1 + scene_.inverse_depth_spread * normal()) * guess * std::exp(-error_log);
   return truth().world_from_camera * (bearing.homogeneous() / inverse_depth);
 }
 

@@ -22,9 +22,10 @@ struct FusionScene {
   int strays = 0;                      ///< so many landmarks are no points
   double stray_px = 0;  ///< each is off to its own side by that, a tenth of its depth away
   double focal_px = 480;
-  double velocity_sigma_m_s = 1e-3;  ///< at the start, as the filter is told; it is at rest
-  double log_unit_sigma = 0;         ///< as the filter is told
-  double scale_error_log = 0;        ///< the landmarks' guesses are off by that, all alike
+  double velocity_sigma_m_s = 1e-3;   ///< at the start, as the filter is told; it is at rest
+  double log_unit_sigma = 0;          ///< as the filter is told
+  double inverse_depth_spread = 0.5;  ///< 1 sigma, of the landmarks' over their guess
+  double scale_error_log = 0;         ///< the landmarks' guesses are off by that, all alike
   bool has_imu = true;
   bool has_flow = false;
   bool has_landmarks = true;
