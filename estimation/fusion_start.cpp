@@ -17,15 +17,19 @@ namespace {
 using Index = FusionIndex;
 constexpr std::size_t kFirstFrames = 20;
 constexpr std::size_t kLastFrames = 40;
-constexpr int kMostPasses = 16;
+constexpr int kMostPasses = kLastFrames - kFirstFrames + 1;
 constexpr int kWeighings = 2;
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
+
+double log_determinant(const Eigen::LLT<Eigen::MatrixXd>& factor) {
+  return 2 * factor.matrixLLT().diagonal().array().log().sum();
+}
 
 }  // namespace
 
 struct FusionFilter::Retold {
   FusionFilter filter;
-  double cost = 0;  // sum of the squared innovations of the views
+  double cost = 0;  // -2 log likelihood of the views, but for what is the same for all starts
   std::map<int, StrayRatio> strays;
 };
 
@@ -52,7 +56,8 @@ void FusionFilter::forget_start() {
   passes_.clear();
 }
 
-// The nearest answer to the guesses is at times a false one, as is that of the filter itself.
+// The nearest answer to the guesses is at times a false one, as is that of the filter itself, or of
+// a longer way. Passes that have not settled yet go on.
 void FusionFilter::begin_passes(std::size_t frames) {
   passes_frames_ = frames;
   StartPasses at_hand = passes_about(landmarks_, frames);
@@ -61,8 +66,14 @@ void FusionFilter::begin_passes(std::size_t frames) {
     passes_ = {std::move(at_hand)};
     return;
   }
-  for (auto& [feature, landmark] : at_hand.about) landmark.stray = {};
-  passes_ = {StartPasses{}, std::move(at_hand)};
+  std::vector<StartPasses> starts{StartPasses{}, std::move(at_hand)};
+  for (StartPasses& passes : passes_) {
+    starts.push_back(StartPasses{.about = std::move(passes.about)});
+  }
+  for (StartPasses& start : starts) {
+    for (auto& [feature, landmark] : start.about) landmark.stray = {};
+  }
+  passes_ = std::move(starts);
 }
 
 void FusionFilter::relinearize_start() {
@@ -77,15 +88,15 @@ void FusionFilter::relinearize_start() {
     return p.is_settled || p.done >= p.weighings + kMostPasses;
   });
   if (!is_over) return;
-  // 2. The better one goes on with weights, and then takes the place of what is at hand.
-  const Retold* best = nullptr;
-  for (std::size_t i = 0; i < passes_.size(); ++i) {
-    if (!passes_[i].is_settled || (best && best->cost <= retold[i].cost)) continue;
-    best = &retold[i];
-  }
-  const bool is_weighed = passes_.front().weighings > 0;
+  // 2. The best one goes on with weights, and then takes the place of what is at hand.
+  const auto best =
+      std::min_element(retold.begin(), retold.end(),
+                       [](const Retold& a, const Retold& b) { return a.cost < b.cost; });
+  const StartPasses& chosen = passes_[static_cast<std::size_t>(best - retold.begin())];
+  const bool is_settled = chosen.is_settled;
+  const bool is_weighed = chosen.weighings > 0;
   passes_.clear();
-  if (best) {
+  if (is_settled) {
     const std::size_t known = is_weighed ? frames : passes_frames_;
     StartPasses next = passes_about(best->filter.landmarks_, known);
     if (is_weighed) {
@@ -146,7 +157,8 @@ FusionFilter::Retold FusionFilter::retold_about(StartPasses& passes, std::size_t
   return again;
 }
 
-// Adds what the views were off by; infinite where one cannot be seen.
+// Adds what the views cost; infinite where one cannot be seen. Without the determinant a longer way
+// would be the cheaper one, for views are told to err more the further away they are.
 void FusionFilter::retell_views(std::span<const FeatureView> seen,
                                 const RigidTransform* world_from_camera, StartLandmarks& about,
                                 Retold& again) {
@@ -179,7 +191,7 @@ void FusionFilter::retell_views(std::span<const FeatureView> seen,
     error += correction->error;
   }
   inject(error);
-  again.cost += correction ? correction->squared : HUGE_VAL;
+  again.cost += correction ? correction->squared + log_determinant(correction->S) : HUGE_VAL;
   const ViewErrors errors = view_errors(views);
   for (std::size_t i = 0; i < views.size(); ++i) {
     again.strays[landmarks_[views[i].landmark].feature].add(errors.squared[i] / errors.usual);

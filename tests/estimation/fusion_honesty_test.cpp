@@ -257,6 +257,7 @@ TEST(FusionFilter, ForgetsNothingWhenItGoesThroughItsStartAgain) {
 TEST(FusionFilter, IsNotTooSureWhereNoHeightIsKnown) {
   FusionConfig config = white_noise();
   config.landmarks = 24;
+  config.inverse_depth_sigma_ratio = 0.5;
   config.depth_correlated_frames = kCarefulFrames;
   config.relinearize_start = false;
   for (const double wrong_log : {-1.0, 0.0, 1.0}) {
