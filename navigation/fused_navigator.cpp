@@ -37,8 +37,8 @@ FusionConfig fusion_of(const NavigatorConfig& navigator, const InitialState& ini
   constexpr double kLessVagueDepth_ratio = 0.5;
   FusionConfig config = navigator.fusion;
   // nothing waits for metres that only the IMU will tell: they may come late, but where depths are
-  // as vague as in other starts they never do. Relinearised about a height of which nothing is known
-  // the filter is too sure.
+  // as vague as in other starts they never do. Relinearised about a height of which nothing is
+  // known the filter is too sure.
   if (initial.scale == ScaleSource::none) {
     config.depth_correlated_frames = std::max(config.depth_correlated_frames, kCarefulFrames);
     config.inverse_depth_sigma_ratio =
