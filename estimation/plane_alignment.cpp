@@ -72,7 +72,7 @@ PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& gu
       if (shutter.readout_s > 0) shift_by_row_time(level, shutter);
       // 2. what the images say of it, in information form
       const bool exactly = config_.exact_warp && deformation_px(level.grid) > kFirstOrder_px;
-      const TileEffort effort{.cubic = l == 0, .contrast = l > 0 && s == 0};
+      const TileEffort effort{.quintic = l == 0, .contrast = l > 0 && s == 0};
       measurements_ = &tile_flow_.measure(reference_.level(l), current.level(l), level.grid,
                                           placement_, exactly ? TileWarp::affine : TileWarp::shift,
                                           static_cast<float>(out.gain), effort, level.textures);

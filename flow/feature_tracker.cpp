@@ -27,14 +27,14 @@ TileGrid feature_grid(const std::vector<Eigen::Vector2f>& centres_px, float scal
   grid.count = (count + TileGrid::kPadding - 1) / TileGrid::kPadding * TileGrid::kPadding;
   constexpr float kHalf = 0.5F * (kFeatureWindow_px - 1);
   const auto first = [](float centre, int size) {
-    return std::clamp(static_cast<int>(std::lround(centre - kHalf)), 1,
-                      size - kFeatureWindow_px - 2);
+    return std::clamp(static_cast<int>(std::lround(centre - kHalf)), TileGrid::kBefore_px,
+                      size - kFeatureWindow_px - TileGrid::kAfter_px);
   };
   for (int i = 0; i < grid.count; ++i) {
     const bool real = i < count;
     const Eigen::Vector2f at =
         real ? (((centres_px[static_cast<std::size_t>(i)].array() + 0.5F) * scale) - 0.5F).eval()
-             : Eigen::Array2f::Constant(kHalf + 1).eval();
+             : Eigen::Array2f::Constant(kHalf + TileGrid::kBefore_px).eval();
     grid.left_px.push_back(first(at.x(), picture.cols));
     grid.top_px.push_back(first(at.y(), picture.rows));
     const float nowhere = real ? 0 : TilePlacement::kNowhere_px;
@@ -109,9 +109,10 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
   for (const cv::Point2f& at : features_px) {
     const float left = std::round(at.x) - 0.5F * kFeatureWindow_px;
     const float top = std::round(at.y) - 0.5F * kFeatureWindow_px;
-    const bool is_inside = left >= 1 && top >= 1 &&
-                           left + kFeatureWindow_px + 2 <= static_cast<float>(grey.cols) &&
-                           top + kFeatureWindow_px + 2 <= static_cast<float>(grey.rows);
+    constexpr float kReach_px = kFeatureWindow_px + TileGrid::kAfter_px;
+    const bool is_inside = left >= TileGrid::kBefore_px && top >= TileGrid::kBefore_px &&
+                           left + kReach_px <= static_cast<float>(grey.cols) &&
+                           top + kReach_px <= static_cast<float>(grey.rows);
     // what is followed is the window's centre, half a pixel from the corner
     if (is_inside) tracks_.reference_px.emplace_back(left + 7.5F, top + 7.5F);
   }
@@ -263,7 +264,7 @@ void FeatureTracker::step(int level, TileWarp warp) {
   const bool finest = level == 0;
   const TileMeasurements& m = tiles_.measure(reference_.level(level), current_.level(level),
                                              grids_[static_cast<std::size_t>(level)], placement_,
-                                             warp, 1.0F, {.cubic = finest, .contrast = finest},
+                                             warp, 1.0F, {.quintic = finest, .contrast = finest},
                                              textures_[static_cast<std::size_t>(level)]);
   for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
     alive_[i] = m.gxx[i] > 0 ? 1 : 0;
@@ -359,7 +360,7 @@ void FeatureTracker::track_back() {
   for (int step = 0; step < kBackSteps; ++step) {
     const TileMeasurements& m =
         tiles_.measure(current_.level(0), reference_.level(0), back_grid_, placement_,
-                       TileWarp::shift, 1.0F, {.cubic = true, .contrast = false}, back_textures_);
+                       TileWarp::shift, 1.0F, {.quintic = true, .contrast = false}, back_textures_);
     for (std::size_t i = 0; i < tracks_.found.size(); ++i) {
       const Eigen::Vector2f u = tile_step(m, i);
       placement_.x_px[i] += u.x();

@@ -16,8 +16,8 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 template <class V>
-struct Cubic {
-  V before, left, right, after;
+struct SixWeights {
+  V a, b, c, d, e, f;
 };
 
 TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int top, int columns,
@@ -34,28 +34,31 @@ TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int
   const VI byte = hn::Set(di, 0xFF);
   const VI stride = hn::Set(di, static_cast<std::int32_t>(cur.stride));
   const V half = hn::Set(d, 0.5F);
-  const V one = hn::Set(d, 1.0F);
-  const V three = hn::Set(d, 3.0F);
   const auto* base = reinterpret_cast<const std::int32_t*>(cur.data);
-  // Keys' cubic weights (a = -1/2) of the four pixels about a fraction: bilinear weights would
-  // shift fine texture by up to 1/50 px
+  // as quintic_weights(), of the products of the distances to the six pixels
   const auto weights = [&](V f) {
-    const V f2 = hn::Mul(f, f);
-    const V outer = hn::MulSub(half, f2, hn::Mul(half, f));  // f (f - 1) / 2
-    const V before = hn::NegMulAdd(f, outer, outer);         // outer (1 - f)
-    const V after = hn::Mul(f, outer);
-    const V right = hn::NegMulAdd(three, after, hn::Add(f, outer));
-    return Cubic<V>{before, hn::Sub(hn::Sub(hn::Sub(one, before), right), after), right, after};
+    const auto from = [&](float k) { return hn::Sub(f, hn::Set(d, k)); };
+    const V before = hn::Mul(hn::Mul(from(-2), from(-1)), f);
+    const V after = hn::Mul(hn::Mul(from(1), from(2)), from(3));
+    const auto weight = [&](V product, float unit) { return hn::Mul(product, hn::Set(d, unit)); };
+    return SixWeights<V>{weight(hn::Mul(hn::Mul(from(-1), f), after), -1.0F / 120),
+                         weight(hn::Mul(hn::Mul(from(-2), f), after), 1.0F / 24),
+                         weight(hn::Mul(hn::Mul(from(-2), from(-1)), after), -1.0F / 12),
+                         weight(hn::Mul(hn::Mul(from(2), from(3)), before), 1.0F / 12),
+                         weight(hn::Mul(hn::Mul(from(1), from(3)), before), -1.0F / 24),
+                         weight(hn::Mul(hn::Mul(from(1), from(2)), before), 1.0F / 120)};
   };
-  // one gather brings the four pixels of a row
-  const auto across = [&](VI offset, const Cubic<V>& w) {
-    const VI four = hn::GatherOffset(di, base, offset);
-    const V p0 = hn::ConvertTo(d, hn::And(four, byte));
-    const V p1 = hn::ConvertTo(d, hn::And(hn::ShiftRight<8>(four), byte));
-    const V p2 = hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(four), byte));
-    const V p3 = hn::ConvertTo(d, hn::And(hn::ShiftRight<24>(four), byte));
-    return hn::MulAdd(w.before, p0,
-                      hn::MulAdd(w.left, p1, hn::MulAdd(w.right, p2, hn::Mul(w.after, p3))));
+  // two gathers bring the six pixels of a row, the first from two pixels back; both stay inside it
+  const auto across = [&](VI offset, const SixWeights<V>& w) {
+    const VI first = hn::GatherOffset(di, base, offset);
+    const VI last = hn::GatherOffset(di, base, hn::Add(offset, hn::Set(di, 2)));
+    const auto pixel = [&](VI v) { return hn::ConvertTo(d, hn::And(v, byte)); };
+    V sum = hn::Mul(w.a, pixel(first));
+    sum = hn::MulAdd(w.b, pixel(hn::ShiftRight<8>(first)), sum);
+    sum = hn::MulAdd(w.c, pixel(hn::ShiftRight<16>(first)), sum);
+    sum = hn::MulAdd(w.d, pixel(hn::ShiftRight<24>(first)), sum);
+    sum = hn::MulAdd(w.e, pixel(hn::ShiftRight<16>(last)), sum);
+    return hn::MulAdd(w.f, pixel(hn::ShiftRight<24>(last)), sum);
   };
 
   V gx = hn::Zero(d), gy = gx, sr = gx, rr = gx, s0 = gx, s00 = gx, s0r = gx;
@@ -79,17 +82,15 @@ TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int
       const VI iv = hn::ConvertTo(di, v);
       const V fu = hn::Sub(u, hn::ConvertTo(d, iu));
       const V fv = hn::Sub(v, hn::ConvertTo(d, iv));
-      const Cubic<V> wu = weights(fu);
-      const Cubic<V> wv = weights(fv);
-      VI offset =
-          hn::Add(hn::Mul(hn::Sub(iv, hn::Set(di, 1)), stride), hn::Sub(iu, hn::Set(di, 1)));
-      V warped = hn::Mul(wv.before, across(offset, wu));
-      offset = hn::Add(offset, stride);
-      warped = hn::MulAdd(wv.left, across(offset, wu), warped);
-      offset = hn::Add(offset, stride);
-      warped = hn::MulAdd(wv.right, across(offset, wu), warped);
-      offset = hn::Add(offset, stride);
-      warped = hn::MulAdd(wv.after, across(offset, wu), warped);
+      const SixWeights<V> wu = weights(fu);
+      const SixWeights<V> wv = weights(fv);
+      VI offset = hn::Add(hn::Mul(iv, stride), iu);
+      offset = hn::Sub(offset, hn::Set(di, 2 + 2 * static_cast<std::int32_t>(cur.stride)));
+      V warped = hn::Mul(wv.a, across(offset, wu));
+      for (const V& weight : {wv.b, wv.c, wv.d, wv.e, wv.f}) {
+        offset = hn::Add(offset, stride);
+        warped = hn::MulAdd(weight, across(offset, wu), warped);
+      }
       const V r = hn::MulSub(middle, vgain, warped);
       gx = hn::MulAdd(ix, r, gx);
       gy = hn::MulAdd(iy, r, gy);
@@ -121,16 +122,16 @@ void measure_deformed_kernel(const ImageView& ref, const ImageView& cur, const T
   const float pixels = static_cast<float>(grid.columns * grid.rows);
   const float half_width = 0.5F * static_cast<float>(grid.columns - 1);
   const float half_height = 0.5F * static_cast<float>(grid.rows - 1);
-  // the cubic reaches one pixel back and two on
-  const float last_x = static_cast<float>(cur.width - 4);
-  const float last_y = static_cast<float>(cur.height - 4);
+  constexpr float kFirst = TileGrid::kBefore_px;
+  const float last_x = static_cast<float>(cur.width - 1 - TileGrid::kAfter_px);
+  const float last_y = static_cast<float>(cur.height - 1 - TileGrid::kAfter_px);
   for (int i = 0; i < grid.count; ++i) {
     const float x = at.x_px[i];
     const float y = at.y_px[i];
     const float axx = at.axx[i], axy = at.axy[i], ayx = at.ayx[i], ayy = at.ayy[i];
     const float reach_x = std::abs(axx) * half_width + std::abs(axy) * half_height;
     const float reach_y = std::abs(ayx) * half_width + std::abs(ayy) * half_height;
-    const bool inside = x - reach_x >= 2 && y - reach_y >= 2 && x + reach_x <= last_x &&
+    const bool inside = x - reach_x >= kFirst && y - reach_y >= kFirst && x + reach_x <= last_x &&
                         y + reach_y <= last_y && axx * ayy - axy * ayx > 0.1F;
     if (!inside) {
       store({}, {}, pixels, {}, i, out);

@@ -9,29 +9,26 @@
 namespace stillkite {
 namespace {
 
-std::array<CubicWeights, 128> make_cubic_weights() {
-  std::array<CubicWeights, 128> table{};
-  for (std::size_t k = 0; k < table.size(); ++k) {
-    const double f = static_cast<double>(k) / 128;
-    const double before = -f * (1 - f) * (1 - f) / 2;
-    const double after = -f * f * (1 - f) / 2;
-    const double right = f * (1 + 4 * f - 3 * f * f) / 2;
-    const std::array<double, 4> w{before, 1 - before - right - after, right, after};
-    int left = 64;
-    for (std::size_t i = 0; i < 4; ++i) {
-      table[k].q6[i] = static_cast<std::int16_t>(std::lround(w[i] * 64));
-      table[k].q15[i] = static_cast<std::int16_t>(std::min(std::lround(w[i] * 32768), 32767L));
-      left -= table[k].q6[i];
+std::array<QuinticWeights, 128> make_quintic_weights() {
+  std::array<QuinticWeights, 128> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double fraction = static_cast<double>(i) / 128;
+    for (int k = -2; k <= 3; ++k) {
+      double weight = 1;
+      for (int j = -2; j <= 3; ++j) {
+        if (j != k) weight *= (fraction - j) / (k - j);
+      }
+      table[i][static_cast<std::size_t>(k + 2)] =
+          static_cast<std::int16_t>(std::min(std::lround(weight * 32768), 32767L));
     }
-    table[k].q6[1] = static_cast<std::int16_t>(table[k].q6[1] + left);
   }
   return table;
 }
 
 }  // namespace
 
-const CubicWeights& cubic_weights(int fraction_128) {
-  static const std::array<CubicWeights, 128> table = make_cubic_weights();
+const QuinticWeights& quintic_weights(int fraction_128) {
+  static const std::array<QuinticWeights, 128> table = make_quintic_weights();
   return table[static_cast<std::size_t>(fraction_128)];
 }
 
@@ -39,8 +36,9 @@ TileGrid make_tile_grid(int width_px, int height_px, int columns_per_tile, int r
   TileGrid grid;
   grid.columns = columns_per_tile;
   grid.rows = rows_per_tile;
-  const int columns = std::max(0, (width_px - 2) / columns_per_tile);
-  const int lines = std::max(0, (height_px - 2) / rows_per_tile);
+  constexpr int kMargin_px = TileGrid::kBefore_px + TileGrid::kAfter_px;
+  const int columns = std::max(0, (width_px - kMargin_px) / columns_per_tile);
+  const int lines = std::max(0, (height_px - kMargin_px) / rows_per_tile);
   const int left = (width_px - columns * columns_per_tile) / 2;
   const int top = (height_px - lines * rows_per_tile) / 2;
   const int padding = TileGrid::kPadding;

@@ -9,6 +9,9 @@ namespace stillkite {
 /// `kPadding`, so that vector code needs no remainder loop.
 struct TileGrid {
   static constexpr int kPadding = 16;
+  /// Left of and above a tile, right of and below it: what interpolation needs.
+  static constexpr int kBefore_px = 2;
+  static constexpr int kAfter_px = 3;
 
   int columns = 0;  ///< width of a tile, px: 16 or 32
   int rows = 0;     ///< height of a tile, px: at most 16
@@ -17,7 +20,7 @@ struct TileGrid {
   std::vector<float> centre_x_px, centre_y_px;
 };
 
-/// Keeps one pixel of margin for the gradient.
+/// Keeps the margin that a tile needs.
 [[nodiscard]] TileGrid make_tile_grid(int width_px, int height_px, int columns_per_tile,
                                       int rows_per_tile);
 
@@ -70,11 +73,11 @@ enum class TileWarp {
   affine,  ///< every pixel is warped as the placement says, however large the deformation
 };
 
-/// What a shifted tile may do without: cubic interpolation (else bilinear, whose error of up to
-/// 1/50 px does not matter on the way to a finer level), and the sums `contrast` and
-/// `gain_product`, which are then 0. A deformed tile always has both.
+/// What a shifted tile may do without: quintic interpolation (else bilinear, whose error does not
+/// matter on the way to a finer level), and the sums `contrast` and `gain_product`, which are then
+/// 0. A deformed tile always has both.
 struct TileEffort {
-  bool cubic = true;
+  bool quintic = true;
   bool contrast = true;
 };
 

@@ -26,6 +26,20 @@ struct TilePlace {
   int fraction_x, fraction_y;  // of a pixel, in 1/128
 };
 
+template <class V>
+struct SixOf {
+  V a, b, c, d, e, f;
+};
+
+// Weights in 1/32768.
+template <class V>
+HWY_INLINE V weighted(const SixOf<V>& v, const SixOf<V>& w) {
+  const V outer = hn::Add(hn::MulFixedPoint15(v.a, w.a), hn::MulFixedPoint15(v.f, w.f));
+  const V middle = hn::Add(hn::MulFixedPoint15(v.b, w.b), hn::MulFixedPoint15(v.e, w.e));
+  const V inner = hn::Add(hn::MulFixedPoint15(v.c, w.c), hn::MulFixedPoint15(v.d, w.d));
+  return hn::Add(hn::Add(outer, middle), inner);
+}
+
 template <int kColumns, bool kFine, bool kWithContrast>
 TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdiff_t cur_stride,
                       int rows, int gain_q15) {
@@ -36,20 +50,22 @@ TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdi
   const D16 d;
   const hn::Rebind<std::uint8_t, D16> d8;
   const auto load = [&](const std::uint8_t* p) { return hn::PromoteTo(d, hn::LoadU(d8, p)); };
-  const CubicWeights& wx = cubic_weights(at.fraction_x);
-  const CubicWeights& wy = cubic_weights(at.fraction_y);
-  const V16 x0 = hn::Set(d, wx.q6[0]), x1 = hn::Set(d, wx.q6[1]), x2 = hn::Set(d, wx.q6[2]),
-            x3 = hn::Set(d, wx.q6[3]);
-  const V16 y0 = hn::Set(d, wy.q15[0]), y1 = hn::Set(d, wy.q15[1]), y2 = hn::Set(d, wy.q15[2]),
-            y3 = hn::Set(d, wy.q15[3]);
+  const auto weights = [&](int fraction) {
+    const QuinticWeights& w = quintic_weights(fraction);
+    return SixOf<V16>{hn::Set(d, w[0]), hn::Set(d, w[1]), hn::Set(d, w[2]),
+                      hn::Set(d, w[3]), hn::Set(d, w[4]), hn::Set(d, w[5])};
+  };
+  const SixOf<V16> across_x = weights(at.fraction_x);
+  const SixOf<V16> down_y = weights(at.fraction_y);
   const V16 linear_x = hn::Set(d, static_cast<std::int16_t>(at.fraction_x / 2));   // in 1/64
   const V16 linear_y = hn::Set(d, static_cast<std::int16_t>(at.fraction_y << 8));  // in 1/32768
   const V16 gain = hn::Set(d, static_cast<std::int16_t>(gain_q15));
   const V16 one = hn::Set(d, 1);
   const auto across = [&](const std::uint8_t* p) {
     if constexpr (kFine) {
-      return hn::Add(hn::Add(hn::Mul(load(p - 1), x0), hn::Mul(load(p), x1)),
-                     hn::Add(hn::Mul(load(p + 1), x2), hn::Mul(load(p + 2), x3)));
+      const auto pixel = [&](int i) { return hn::ShiftLeft<6>(load(p + i)); };
+      return weighted(SixOf<V16>{pixel(-2), pixel(-1), pixel(0), pixel(1), pixel(2), pixel(3)},
+                      across_x);
     } else {
       const V16 left = load(p);
       return hn::Add(hn::ShiftLeft<6>(left), hn::Mul(hn::Sub(load(p + 1), left), linear_x));
@@ -66,25 +82,24 @@ TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdi
     const std::uint8_t* q = at.current + first;
     V16 up = load(p - ref_stride);
     V16 middle = load(p);
-    V16 above2 = across(q - cur_stride);
-    V16 above = across(q);
-    V16 below = across(q + cur_stride);
-    q += 2 * cur_stride;
+    const auto line = [&](int i) { return across(q + i * cur_stride); };
+    // the first and the last two are of no use without `kFine`, and are left out by the compiler
+    SixOf<V16> lines{line(-2), line(-1), line(0), line(1), line(2), line(0)};
+    q += 3 * cur_stride;
     for (int row = 0; row < rows; ++row) {
       const V16 down = load(p + ref_stride);
       const V16 ix = hn::Sub(load(p + 1), load(p - 1));
       const V16 iy = hn::Sub(down, up);
-      const V16 below2 = across(q);
+      lines.f = across(q);
       V16 warped;
       if constexpr (kFine) {
-        warped = hn::Add(hn::Add(hn::MulFixedPoint15(above2, y0), hn::MulFixedPoint15(above, y1)),
-                         hn::Add(hn::MulFixedPoint15(below, y2), hn::MulFixedPoint15(below2, y3)));
+        warped = weighted(lines, down_y);
       } else {
-        warped = hn::Add(above, hn::MulFixedPoint15(hn::Sub(below, above), linear_y));
+        warped = hn::Add(lines.c, hn::MulFixedPoint15(hn::Sub(lines.d, lines.c), linear_y));
       }
       V16 expected = hn::ShiftLeft<6>(middle);
       expected = hn::SaturatedAdd(expected, hn::MulFixedPoint15(expected, gain));
-      const V16 r = hn::ShiftRight<2>(hn::Sub(expected, warped));
+      const V16 r = hn::ShiftRight<2>(hn::SaturatedSub(expected, warped));
       gx = add_products(ix, r, gx);
       gy = add_products(iy, r, gy);
       sr = add_products(r, one, sr);
@@ -96,9 +111,7 @@ TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdi
       }
       up = middle;
       middle = down;
-      above2 = above;
-      above = below;
-      below = below2;
+      lines = {lines.b, lines.c, lines.d, lines.e, lines.f, lines.f};
       p += ref_stride;
       q += cur_stride;
     }
@@ -138,7 +151,9 @@ struct Landing {
   int x, y;
 
   [[nodiscard]] bool is_inside(const TileGrid& grid, const ImageView& cur) const {
-    return x >= 1 && y >= 1 && x + grid.columns + 1 < cur.width && y + grid.rows + 1 < cur.height;
+    return x >= TileGrid::kBefore_px && y >= TileGrid::kBefore_px &&
+           x + grid.columns + TileGrid::kAfter_px <= cur.width &&
+           y + grid.rows + TileGrid::kAfter_px <= cur.height;
   }
 };
 HWY_INLINE Landing land(const TileGrid& grid, const TilePlacement& placement, int i) {
@@ -207,7 +222,7 @@ void measure_shifted_kernel(const ImageView& ref, const ImageView& cur, const Ti
     measure_of(ref, cur, grid, placement, gain, textures, out);
   };
   const bool wide = grid.columns == 32;
-  if (effort.cubic) {
+  if (effort.quintic) {
     const auto with = wide ? measure_all<32, true, true> : measure_all<16, true, true>;
     const auto without = wide ? measure_all<32, true, false> : measure_all<16, true, false>;
     measure(effort.contrast ? with : without);

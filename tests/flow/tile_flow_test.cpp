@@ -95,6 +95,42 @@ TEST(TileFlow, structure_tensor_of_a_wave_and_the_step_across_it) {
   EXPECT_NEAR(m.gx[0] / m.gxx[0], kShift_px, 0.03 * kShift_px);
 }
 
+class FineTexture : public testing::TestWithParam<TileWarp> {};
+
+// Interpolation that moves waves of some five pixels by less than it is asked to makes all windows
+// of a picture err alike, towards half pixels.
+TEST_P(FineTexture, moves_by_parts_of_a_pixel_as_coarse_texture_does) {
+  const auto moved = [](const cv::Point2d& by_px) {
+    cv::Mat image(kSide_px, kSide_px, CV_8UC1);
+    for (int y = 0; y < kSide_px; ++y) {
+      for (int x = 0; x < kSide_px; ++x) {
+        const double waves = std::sin(2 * std::numbers::pi / 5.0 * (x - by_px.x)) +
+                             std::sin(2 * std::numbers::pi / 5.3 * (y - by_px.y));
+        image.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(128 + 60 * waves);
+      }
+    }
+    return image;
+  };
+  const TileGrid grid = make_tile_grid(kSide_px, kSide_px, 16, 16);
+  TileTextures textures = unknown(grid);
+  TileFlow flow;
+  for (const cv::Point2d& by_px : {cv::Point2d(0.25, 0.15), {0.4, 0.7}, {-0.2, 0.85}}) {
+    constexpr int kSteps = 8;
+    cv::Point2d found_px(0, 0);
+    for (int step = 0; step < kSteps; ++step) {
+      const TilePlacement placement =
+          placed(grid, static_cast<float>(found_px.x), static_cast<float>(found_px.y), 0);
+      const TileMeasurements& m =
+          flow.measure(moved({0, 0}), moved(by_px), grid, placement, GetParam(), 1, {}, textures);
+      found_px += cv::Point2d(m.gx[4] / m.gxx[4], m.gy[4] / m.gyy[4]);
+    }
+    EXPECT_NEAR(found_px.x, by_px.x, 0.006);
+    EXPECT_NEAR(found_px.y, by_px.y, 0.006);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Warps, FineTexture, testing::Values(TileWarp::shift, TileWarp::affine));
+
 // From black to white the gradient is 255 in all sixteen rows of a column: no sum may overflow. A
 // shear about the middle moves the upper half of the edge as far as the lower half, to other sides.
 TEST(TileFlow, a_sheared_edge_from_black_to_white_does_not_move) {
@@ -124,7 +160,7 @@ TEST(TileFlow, white_that_became_black_leaves_its_squares) {
   TileFlow flow;
   const TileMeasurements& m =
       flow.measure(white, black, grid, placed(grid, 0, 0, 0), TileWarp::shift, kGain,
-                   {.cubic = true, .contrast = true}, textures);
+                   {.quintic = true, .contrast = true}, textures);
   constexpr float kShare = 1.0F / kRows;
   const float squares = kColumns * kRows * kShare * (1 - kShare) * (kGain * 255) * (kGain * 255);
   EXPECT_NEAR(m.residual[0], squares, 0.01F * squares);
