@@ -130,6 +130,7 @@ bool FusionFilter::update_turn(const Eigen::Quaterniond& anchor_from_camera,
 void FusionFilter::begin_step() {
   remember([](FusionFilter& filter) { filter.begin_step(); });
   state_.step_start = state_.world_from_camera.translation;
+  gyro_s_ = 0;
   clone(Index::kPosition, 3, Index::kStepStart);
 }
 

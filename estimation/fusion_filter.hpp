@@ -193,7 +193,10 @@ class FusionFilter {
   template <int kRows>
   bool correct(const Innovation<kRows>& innovation);
   void take_off(const Eigen::MatrixXd& A_t);
-  [[nodiscard]] bool is_within_gate(const Innovation<2>& innovation) const;
+  [[nodiscard]] bool is_within_gate(const LandmarkView& view) const;
+  [[nodiscard]] std::size_t count_refused(const std::vector<LandmarkView>& views) const;
+  void doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views);
+  void doubt_gyro(double variance);
   void inject(const Eigen::VectorXd& error);
   [[nodiscard]] std::optional<std::size_t> landmark_of(int feature) const;
   [[nodiscard]] double window_growth(const Landmark& landmark) const;
@@ -269,6 +272,7 @@ class FusionFilter {
   bool is_relinearized_ = false;
   // d(own errors) by those after the frame before
   OwnMatrix since_frame_ = OwnMatrix::Identity();
+  double gyro_s_ = 0;  // that the gyroscope has carried the camera since `begin_step`
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
 };
 

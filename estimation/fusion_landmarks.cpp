@@ -99,6 +99,7 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
     ++landmark.unseen;
   }
   for (const LandmarkView& view : views) landmarks_[view.landmark].unseen = 0;
+  doubt_gyro_where_it_is_contradicted(views);
   refuse_strays(views);
   const bool is_corrected = !views.empty() && correct_jointly(views);
   if (is_corrected) {
@@ -220,19 +221,47 @@ std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
   return views;
 }
 
-bool FusionFilter::is_within_gate(const Innovation<2>& innovation) const {
-  const Eigen::Matrix2d S = innovation.H.covariance(P_) + innovation.noise;
-  return innovation.residual.dot(S.llt().solve(innovation.residual)) <=
+bool FusionFilter::is_within_gate(const LandmarkView& view) const {
+  const auto innovation = landmark_innovation(
+      state_, landmarks_[view.landmark], column_of(view.landmark), view.bearing, view.covariance);
+  if (!innovation) return false;
+  const Eigen::Matrix2d S = innovation->H.covariance(P_) + innovation->noise;
+  return innovation->residual.dot(S.llt().solve(innovation->residual)) <=
          2 * square(config_.gate_sigma);
+}
+
+std::size_t FusionFilter::count_refused(const std::vector<LandmarkView>& views) const {
+  return static_cast<std::size_t>(std::count_if(
+      views.begin(), views.end(), [&](const LandmarkView& v) { return !is_within_gate(v); }));
+}
+
+// Where many views at once are far from their prediction, and a bias that is no better known than
+// at the start would explain most of them, the gyroscope's has jumped.
+void FusionFilter::doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views) {
+  if (gyro_s_ == 0) return;
+  const std::size_t refused = count_refused(views);
+  if (3 * refused < views.size()) return;
+  const double variance = square(config_.gyro_bias_sigma_rad_s);
+  doubt_gyro(variance);
+  if (2 * count_refused(views) > refused) doubt_gyro(-variance);
+}
+
+// Over the last step, and from now on.
+void FusionFilter::doubt_gyro(double variance) {
+  constexpr int r = Index::kRotation;
+  constexpr int b = Index::kGyroBias;
+  const Eigen::Matrix3d turn_by_bias =
+      -gyro_s_ * state_.world_from_camera.rotation.toRotationMatrix();
+  P_.diagonal().segment<3>(b).array() += variance;
+  P_.diagonal().segment<3>(r).array() += square(gyro_s_) * variance;
+  P_.block<3, 3>(r, b) += variance * turn_by_bias;
+  P_.block<3, 3>(b, r) += variance * turn_by_bias.transpose();
 }
 
 void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
   std::erase_if(views, [&](const LandmarkView& view) {
-    Landmark& landmark = landmarks_[view.landmark];
-    const auto innovation = landmark_innovation(state_, landmark, column_of(view.landmark),
-                                                view.bearing, view.covariance);
-    const bool is_near = innovation && is_within_gate(*innovation);
-    if (!is_near) ++landmark.refused;
+    const bool is_near = is_within_gate(view);
+    if (!is_near) ++landmarks_[view.landmark].refused;
     return !is_near;
   });
 }

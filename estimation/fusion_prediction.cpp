@@ -103,6 +103,7 @@ void FusionFilter::predict(const InertialStep& step) {
   Matrix9d noise = white_acceleration(squared_density, dt_s);
   noise.diagonal().segment<3>(Index::kRotation).setConstant(square(rate_density) * dt_s);
   propagate(F, noise, dt_s);
+  if (has_gyro) gyro_s_ += dt_s;
   state_ = moved(state_, step);
 }
 

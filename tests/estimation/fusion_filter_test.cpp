@@ -96,6 +96,23 @@ TEST(FusionFilter, WeighsATurnThatIsMeasured) {
   EXPECT_LT((turn - after * noise.inverse() * seen).norm(), 1e-5);
 }
 
+// Views that are all off alike do not contradict each other.
+TEST(FusionFilter, FollowsAGyroscopesBiasThatJumps) {
+  FusionScene scene;
+  scene.pixel_sigma_px = 0.05;
+  FusionSimulation flight(scene, white_noise(), 5);
+  while (flight.time_s() < 4) flight.step();
+  flight.shift_gyro_bias(1 * kDegree);
+  double most_m = 0;
+  while (flight.time_s() < 6) {
+    flight.step();
+    most_m = std::max(most_m, flight.pose_error().head<3>().norm());
+  }
+  const Vector6d error = flight.pose_error();
+  EXPECT_LT(most_m, 0.01);
+  EXPECT_LT(error.dot(flight.filter().pose_covariance().ldlt().solve(error)), 20);
+}
+
 TEST(FusionFilter, RefusesALandmarkThatJumps) {
   FusionSimulation flight(FusionScene{}, FusionConfig{}, 5);
   for (int i = 0; i < 30; ++i) flight.step();

@@ -77,6 +77,9 @@ class FusionSimulation {
   /// From now on landmark 0 is seen so far beside where it is.
   void shift_first(double shift_px) { first_shift_px_ = shift_px; }
 
+  /// From now on the gyroscope's bias is another one, on each axis by so much.
+  void shift_gyro_bias(double by_rad_s) { gyro_bias_.array() += by_rad_s; }
+
   [[nodiscard]] const FusionFilter& filter() const { return filter_; }
   [[nodiscard]] FusionFilter& filter() { return filter_; }
   [[nodiscard]] FusionTruth truth() const { return truth_at(time_s_); }
