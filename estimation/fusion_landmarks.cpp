@@ -238,7 +238,7 @@ std::size_t FusionFilter::count_refused(const std::vector<LandmarkView>& views) 
 // Where many views at once are far from their prediction, and a bias that is no better known than
 // at the start would explain most of them, the gyroscope's has jumped.
 void FusionFilter::doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views) {
-  if (gyro_s_ == 0) return;
+  if (gyro_s_ == 0 || static_cast<int>(views.size()) < config_.min_landmarks) return;
   const std::size_t refused = count_refused(views);
   if (3 * refused < views.size()) return;
   const double variance = square(config_.gyro_bias_sigma_rad_s);

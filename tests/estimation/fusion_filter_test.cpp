@@ -113,6 +113,18 @@ TEST(FusionFilter, FollowsAGyroscopesBiasThatJumps) {
   EXPECT_LT(error.dot(flight.filter().pose_covariance().ldlt().solve(error)), 20);
 }
 
+TEST(FusionFilter, DoubtsNoGyroscopeWhereNothingIsSeen) {
+  FusionSimulation flight(FusionScene{}, white_noise(), 5);
+  while (flight.time_s() < 2) flight.step();
+  const double known = flight.filter().gyro_bias_covariance().trace();
+  flight.cover(true);
+  while (flight.time_s() < 3) {
+    flight.step();
+    flight.filter().update_landmarks({});
+  }
+  EXPECT_LT(flight.filter().gyro_bias_covariance().trace(), 2 * known);
+}
+
 TEST(FusionFilter, RefusesALandmarkThatJumps) {
   FusionSimulation flight(FusionScene{}, FusionConfig{}, 5);
   for (int i = 0; i < 30; ++i) flight.step();
