@@ -10,8 +10,8 @@ inline constexpr double kCarefulFrames = 300;
 
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
-  double pixel_sigma_px = 0.02;
-  double pixel_noise_ratio = 1.3;
+  double pixel_sigma_px = 0.01;
+  double pixel_noise_ratio = 0.9;
   double window_error_ratio = 1.0;
   double window_error_way = 0.03;
   double stray_above_ratio = 2.0;
@@ -44,9 +44,12 @@ struct FusionConfig {
 
   static void fields(auto& self, auto&& field) {
     field("pixel_sigma_px", self.pixel_sigma_px, kPositive,
-          "of a feature's place, beside what the noise in its window explains");
-    field("pixel_noise_ratio", self.pixel_noise_ratio, kNotNegative,
-          "sigma of a view over what that noise makes it");
+          "of a feature's place, beside what its window and its frame tell");
+    field(
+        "pixel_noise_ratio", self.pixel_noise_ratio, kNotNegative,
+        "sigma of a view over what the noise in its window and the features of its frame, by what "
+        "they are off by from their epipolar lines, tell of it; about half of its variance lasts, "
+        "which `window_error_ratio` tells");
     field(
         "window_error_ratio", self.window_error_ratio, kNotNegative,
         "sigma of what a feature's window is off by as long as the camera stays where it is, over "

@@ -159,7 +159,7 @@ class FusionFilter {
   // what a start is gone through again about
   struct StartLandmark {
     double inverse_depth = 0;
-    StrayRatio stray;
+    RunningRatio stray;
   };
   using StartLandmarks = std::map<int, StartLandmark>;  // by features
   using StartWay = std::vector<RigidTransform>;         // world from camera, a frame each

@@ -14,13 +14,6 @@ constexpr int kMostRefusals = 5;
 
 }  // namespace
 
-void StrayRatio::add(double ratio) {
-  constexpr double kMost = 12.5;  // no view alone makes a stray
-  constexpr double kForgotten = 0.01;
-  sum_ += (ratio < kMost ? ratio : kMost) - kForgotten * sum_;
-  count_ += 1 - kForgotten * count_;
-}
-
 // The ground, where the line of sight meets it within a dozen heights; else as far as that.
 double FusionFilter::guessed_inverse_depth(const Eigen::Vector2d& bearing) const {
   constexpr double kSteepness = 0.3;
@@ -134,12 +127,11 @@ FusionFilter::ViewErrors FusionFilter::view_errors(const std::vector<LandmarkVie
 // What lies where things at two depths meet moves as no point does, a little: it stays within what
 // the filter is told of a view, but not within what most views of the frame are off by. It counts
 // for less, and is refused where it is off by much. Where depths are vague they take up nearly all;
-// none is refused for less than a frame's white noise.
+// none is refused for less than it is told.
 void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
   constexpr double kMost = 6.25;  // per degree of freedom: beyond it are two of a thousand
   const ViewErrors errors = view_errors(views);
-  const double white = 1 / square(std::max(config_.pixel_noise_ratio, 1.0));
-  const double most = kMost * std::max(errors.usual, white);
+  const double most = kMost * std::max(errors.usual, 1.0);
   for (std::size_t i = 0; i < views.size(); ++i) {
     Landmark& landmark = landmarks_[views[i].landmark];
     const int depth = column_of(views[i].landmark) + 2;

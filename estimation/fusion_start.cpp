@@ -30,7 +30,7 @@ double log_determinant(const Eigen::LLT<Eigen::MatrixXd>& factor) {
 struct FusionFilter::Retold {
   FusionFilter filter;
   double cost = 0;  // -2 log likelihood of the views, but for what is the same for all starts
-  std::map<int, StrayRatio> strays;
+  std::map<int, RunningRatio> strays;
 };
 
 void FusionFilter::remember(std::function<void(FusionFilter&)> told) {

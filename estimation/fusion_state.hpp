@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "estimation/running_ratio.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
@@ -29,20 +30,6 @@ struct FusionState {
   return {state.gravity_tilt_rad.y(), -state.gravity_tilt_rad.x(), 1};
 }
 
-/// By how much a landmark's views are off more than others of their frames are: what no point is.
-class StrayRatio {
- public:
-  /// Off by that, squared, over what is usual. Forgotten after a hundred more.
-  void add(double ratio);
-  /// The mean; at least 1 until some are there.
-  [[nodiscard]] double value() const { return (sum_ + kAsUsual) / (count_ + kAsUsual); }
-
- private:
-  static constexpr double kAsUsual = 5;  // that many views are taken to have been
-  double sum_ = 0;
-  double count_ = 0;
-};
-
 /// A point in space, seen from the anchor at (x, y, 1) / inverse depth.
 struct Landmark {
   int feature = 0;          ///< its number in the reference
@@ -54,8 +41,9 @@ struct Landmark {
   bool is_on_ground = false;  ///< taken for it, once
   int refused = 0;            ///< times in a row that the gate refused it
   int unseen = 0;             ///< frames in a row that had no view of it
-  StrayRatio stray;           ///< of its views, where the depths are known
-  bool is_spare = false;      ///< taken up because most others are out of view
+  /// What its views are off by, squared, over what others of their frames are: what no point is.
+  RunningRatio stray;
+  bool is_spare = false;  ///< taken up because most others are out of view
   /// Of the camera from the anchor when it was last seen, in its depths; world axes.
   Eigen::Vector3d way = Eigen::Vector3d::Zero();
 };

@@ -48,6 +48,8 @@ struct EnumNames<ViewModel> {
 struct RelativePoseEstimate {
   ViewModel model = ViewModel::undecided;
   RelativePose pose;
+  /// Of the essential matrix, which every model's pairs obey; its t is 0 where none was found.
+  RelativePose epipolar;
   /// Of (rotation vector, t), both in the current camera: R = exp(e) R_true, t = t_true + e. Its
   /// rank is 5 where t is known (t stays a unit vector); with t unknown the lower block is 0.
   Matrix6d covariance = Matrix6d::Zero();

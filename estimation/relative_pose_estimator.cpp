@@ -103,13 +103,15 @@ RelativePoseEstimate general_estimate(const Problem& problem, const Refined<Rela
   RelativePoseEstimate estimate =
       with_inliers(problem, ViewModel::general, distances, kSigmaOfMedian);
   estimate.pose = pose_in_front(E, inlier_columns(problem, distances), 3 * estimate.residual);
+  estimate.epipolar = estimate.pose;
   estimate.covariance = pose_covariance(
       with_bounded_leverage(problem.columns, estimate.pose, fit.cutoff), estimate.pose, fit.cutoff);
   return estimate;
 }
 
 RelativePoseEstimate rotation_estimate(const Problem& problem, ViewModel model,
-                                       const Eigen::Quaterniond& rotation) {
+                                       const Eigen::Quaterniond& rotation,
+                                       const RelativePose& epipolar) {
   const auto distances = [&](const Eigen::Quaterniond& q) {
     return transfer_distances(problem.columns, q.toRotationMatrix());
   };
@@ -122,12 +124,13 @@ RelativePoseEstimate rotation_estimate(const Problem& problem, ViewModel model,
   RelativePoseEstimate estimate =
       with_inliers(problem, model, distances(fit.pose), kSigmaOfMedianLength);
   estimate.pose.current_from_reference = fit.pose;
+  estimate.epipolar = epipolar;
   estimate.covariance = rotation_covariance(problem.columns, fit.pose, fit.cutoff);
   return estimate;
 }
 
 RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3d& rough,
-                                    const BearingColumns& inliers) {
+                                    const BearingColumns& inliers, const RelativePose& epipolar) {
   const auto distances = [&](const Eigen::Matrix3d& H) {
     return transfer_distances(problem.columns, H);
   };
@@ -142,6 +145,7 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3
   RelativePoseEstimate estimate =
       with_inliers(problem, view ? ViewModel::plane : ViewModel::undecided, distances(fit.pose),
                    kSigmaOfMedianLength);
+  estimate.epipolar = epipolar;
   if (!view) return estimate;
   estimate.pose = {view->current_from_reference, view->translation.normalized()};
   estimate.covariance = plane_covariance(problem.columns, *view, fit.cutoff);
@@ -239,9 +243,9 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
   switch (const ViewModel model = simplest_model(evidence); model) {
     case ViewModel::still:
     case ViewModel::rotation_only:
-      return rotation_estimate(problem, model, rotation);
+      return rotation_estimate(problem, model, rotation, refined.pose);
     case ViewModel::plane:
-      return plane_estimate(problem, plane, inliers);
+      return plane_estimate(problem, plane, inliers, refined.pose);
     default:
       break;
   }

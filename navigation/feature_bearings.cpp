@@ -62,6 +62,29 @@ std::vector<std::size_t> spread_pairs(const std::vector<BearingPair>& pairs,
   return chosen;
 }
 
+std::optional<double> unit_variance(const FeatureBearings& bearings,
+                                    const RelativePoseEstimate& estimate) {
+  constexpr std::size_t kFewest = 20;
+  constexpr double kMedian = 0.4549;  // of chi-square with one degree of freedom
+  const RelativePose& pose = estimate.epipolar;
+  if (pose.direction.isZero()) return std::nullopt;
+  std::vector<double> squared;
+  squared.reserve(bearings.covariance.size());
+  for (std::size_t i = 0; i < bearings.covariance.size() && i < estimate.inliers.size(); ++i) {
+    if (estimate.inliers[i] == 0) continue;
+    const BearingPair& pair = bearings.pairs[i];
+    const Eigen::Vector3d line =
+        pose.direction.cross(pose.current_from_reference * pair.reference.homogeneous());
+    const double off = line.dot(pair.current.homogeneous());
+    const double variance = line.head<2>().dot(bearings.covariance[i] * line.head<2>());
+    if (variance > 0) squared.push_back(off * off / variance);
+  }
+  if (squared.size() < kFewest) return std::nullopt;
+  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
+  std::nth_element(squared.begin(), middle, squared.end());
+  return *middle / kMedian;
+}
+
 double mean_shift_px(const FeatureTracks& tracks) {
   double sum = 0;
   int count = 0;

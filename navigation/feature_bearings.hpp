@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "estimation/relative_pose.hpp"
@@ -30,6 +31,12 @@ struct FeatureBearings {
                                                     const std::vector<unsigned char>& inliers,
                                                     const std::vector<Eigen::Vector2d>& at_hand,
                                                     std::size_t count);
+
+/// The square that the inliers are off by from their epipolar lines, over what their covariances
+/// say, by the median of those that are told (geodesy's variance of unit weight). Nothing where
+/// less than 20 are, or there are no lines.
+[[nodiscard]] std::optional<double> unit_variance(const FeatureBearings& bearings,
+                                                  const RelativePoseEstimate& estimate);
 
 /// Mean length of the found features' way from the reference to now, in the picture.
 [[nodiscard]] double mean_shift_px(const FeatureTracks& tracks);

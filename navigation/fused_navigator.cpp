@@ -251,6 +251,7 @@ double FusedNavigator::correlated_frames() const {
 
 bool FusedNavigator::see_landmarks(bool is_home) {
   const FeatureBearings& bearings = reference_.bearings();
+  if (const std::optional<double> found = reference_.unit_variance()) landmarks_.weigh(*found);
   landmarks_.choose(filter_, bearings, reference_.inliers(), is_home);
   const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
   // under a later reference the lowest level may be another than the start's

@@ -72,7 +72,7 @@ Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings,
           ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
           : bearings.covariance[pair];
   return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
-         square(config_.pixel_noise_ratio) * noise;
+         square(config_.pixel_noise_ratio) * unit_variance_.value() * noise;
 }
 
 }  // namespace stillkite

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "estimation/fusion_filter.hpp"
+#include "estimation/running_ratio.hpp"
 #include "navigation/feature_bearings.hpp"
 
 namespace stillkite {
@@ -13,6 +14,8 @@ class LandmarkChoice {
   LandmarkChoice(const FusionConfig& config, double focal_px)
       : config_(config), focal_px_(focal_px) {}
 
+  /// What a frame's features are off by, squared, over what their covariances say.
+  void weigh(double unit_variance) { unit_variance_.add(unit_variance); }
   /// Those of the reference before go on under this one's numbers, and others are added where too
   /// few are in view. At home, which will be met again, none that is out of view makes way.
   void choose(FusionFilter& filter, const FeatureBearings& bearings,
@@ -29,6 +32,7 @@ class LandmarkChoice {
 
   FusionConfig config_;
   double focal_px_;
+  RunningRatio unit_variance_;
 };
 
 }  // namespace stillkite

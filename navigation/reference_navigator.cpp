@@ -67,6 +67,7 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   windows_.clear();
   bearings_ = {};
   inliers_.clear();
+  unit_variance_.reset();
   followed_px_.clear();
   twist_.reset();
   begin_report(frame.stamp);
@@ -167,6 +168,7 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
   report_.motion.parallax_rad = parallax_rad(bearings_.pairs, pose);
   windows_ = drawn_features(tracks, bearings_, pose);
   inliers_ = pose.inliers;
+  if (verdict == Verdict::ok) unit_variance_ = stillkite::unit_variance(bearings_, pose);
   if (config_.association == Association::windows) {
     followed_px_ = followed_features(tracks, bearings_, inliers_);
   }

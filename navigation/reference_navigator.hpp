@@ -32,6 +32,9 @@ class ReferenceNavigator {
   [[nodiscard]] const FeatureBearings& bearings() const { return bearings_; }
   /// One a pair of the bearings, 1 where the pose explains it.
   [[nodiscard]] const std::vector<unsigned char>& inliers() const { return inliers_; }
+  /// What the last frame's features are off by, squared, over what their covariances say; nothing
+  /// where its pose is not to be trusted.
+  [[nodiscard]] std::optional<double> unit_variance() const { return unit_variance_; }
 
   /// The features of the last frame that its pose explains.
   [[nodiscard]] const std::vector<WindowFlow>& windows() const { return windows_; }
@@ -99,6 +102,7 @@ class ReferenceNavigator {
   ReferenceReport report_;
   FeatureBearings bearings_;
   std::vector<unsigned char> inliers_;
+  std::optional<double> unit_variance_;
   std::vector<cv::Point2f> followed_px_;  // inliers, in the picture at hand
   std::vector<WindowFlow> windows_;
 };
