@@ -54,10 +54,11 @@ struct Sway {
 class FusedFlight {
  public:
   explicit FusedFlight(double known_height_m = 3, Policy policy = Policy::fused,
-                       ScaleSource scale = ScaleSource::initial_height)
+                       ScaleSource scale = ScaleSource::initial_height,
+                       const Camera& told = small_camera())
       : scene_(make_room(5)),
         renderer_(small_camera(), 2),
-        navigator_(small_camera(), kForwardMount, {},
+        navigator_(told, kForwardMount, {},
                    {.world_from_body = {Eigen::Quaterniond::Identity(), {0, 0, known_height_m}},
                     .scale = scale},
                    {.policy = policy}) {}
@@ -139,6 +140,23 @@ TEST(FusedNavigator, CoversItsErrors) {
     outside += (error.array().abs() > 3 * sigma.array() + 1e-3).any() ? 1 : 0;
   }
   EXPECT_LE(outside, 6);
+}
+
+// By what features are off from their epipolar lines.
+TEST(FusedNavigator, IsLessSureThroughALensThatIsNotAsTold) {
+  Camera wrong = small_camera();
+  wrong.coefficients[0] += 0.05;
+  FusedFlight right;
+  FusedFlight astray(3, Policy::fused, ScaleSource::initial_height, wrong);
+  const auto turn_variance = [](const NavigationEstimate& estimate) {
+    return estimate.pose_covariance.diagonal().tail<3>().sum();
+  };
+  for (int i = 0; i <= 60; ++i) {
+    const double known = turn_variance(right.step());
+    const double vague = turn_variance(astray.step());
+    if (i < 30) continue;
+    EXPECT_GT(vague, 2 * known) << "frame " << i;
+  }
 }
 
 // Frames that show nothing: a verdict, a growing covariance, the IMU's way; then as before. The
