@@ -8,12 +8,20 @@ namespace stillkite {
 namespace {
 
 constexpr double kFarthestBlown_rad = 60 * kDegree;
+constexpr double kBlownAside_m = 0.5;
+constexpr double kZenith_rad = 90 * kDegree;
 
 double between_rad(TetherState a, TetherState b) {
   a.length_m = b.length_m = 1;
   const Eigen::Vector3d u = position_in_station(a);
   const Eigen::Vector3d v = position_in_station(b);
   return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+// Overhead a reading's azimuth is that of the wind.
+TetherState kept_at_first(const TetherState& read) {
+  const double aside_m = position_in_station(read).head<2>().norm();
+  return aside_m < kBlownAside_m ? TetherState{read.length_m, kZenith_rad, 0} : read;
 }
 
 }  // namespace
@@ -34,7 +42,8 @@ void HeldTether::advance(Timestamp now) {
 }
 
 TetherState HeldTether::take(const TetherState& read) {
-  if (!held_ || between_rad(*held_, read) > kFarthestBlown_rad) held_ = read;
+  if (!held_) held_ = kept_at_first(read);
+  if (between_rad(*held_, read) > kFarthestBlown_rad) held_ = read;
   held_->length_m = read.length_m;
   return *held_;
 }

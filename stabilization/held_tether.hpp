@@ -20,7 +20,9 @@ class HeldTether {
   void set_command(const TetherCommand& command) { command_ = command; }
 
   /// Length as read. The direction is that of the first reading, moved by the commands since;
-  /// afresh where the reading is farther off than wind blows a drone.
+  /// afresh where the reading is farther off than wind blows a drone. What is seen overhead at
+  /// first, less than half a metre aside, has taken off from its station: it is kept at the zenith,
+  /// azimuth 0.
   TetherState take(const TetherState& read);
 
  private:

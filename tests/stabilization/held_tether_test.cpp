@@ -37,6 +37,17 @@ TEST(HeldTether, WindTurnsNothing) {
   EXPECT_EQ(state.azimuth_rad, kKeptOverhead.azimuth_rad);
 }
 
+TEST(HeldTether, WindBeforeTheFirstReadingTurnsNothing) {
+  HeldTether held(kHeldLag_s);
+  held.advance(from_seconds(0));
+  const TetherState overhead = held.take({2, 84 * kDegree, 90 * kDegree});
+  EXPECT_EQ(overhead.elevation_rad, kKeptOverhead.elevation_rad);
+  EXPECT_EQ(overhead.azimuth_rad, 0);
+  HeldTether lower(kHeldLag_s);
+  lower.advance(from_seconds(0));
+  EXPECT_EQ(lower.take({2, 60 * kDegree, 90 * kDegree}).azimuth_rad, 90 * kDegree);
+}
+
 TEST(HeldTether, BelievesAReadingThatNoWindExplains) {
   HeldTether held(kHeldLag_s);
   held.advance(from_seconds(0));

@@ -293,6 +293,16 @@ TEST(HoldLoop, ACrossWindOverheadIsSteeredAgainst) {
   EXPECT_LT(o.mean_m, 0.15);
 }
 
+// Squarely across the azimuth that the drone is kept at, from before its first reading.
+TEST(HoldLoop, AWindSquarelyAcrossOverheadIsSteeredAgainst) {
+  Loop loop{.knows_velocity = true,
+            .wind_shift_m = {0, 0.3, 0},
+            .station_speed_m_s = gently_out_and_back_m_s};
+  const Outcome o = fly(loop);
+  print("30 cm squarely across", o);
+  EXPECT_LT(o.mean_m, 0.15);
+}
+
 TEST(HoldLoop, NoiseMovesTheDroneLessThanItIs) {
   Loop loop{.noise_m = 0.03, .start = {2.5, 1, 0}};
   const Outcome o = fly(loop);
