@@ -250,8 +250,11 @@ double FusedNavigator::correlated_frames() const {
 }
 
 bool FusedNavigator::see_landmarks(bool is_home) {
+  constexpr double kLeastUnitVariance = 0.25;  // coding may repeat a still picture, noise and all
   const FeatureBearings& bearings = reference_.bearings();
-  if (const std::optional<double> found = reference_.unit_variance()) landmarks_.weigh(*found);
+  if (const std::optional<double> found = reference_.unit_variance()) {
+    landmarks_.weigh(std::max(*found, kLeastUnitVariance));
+  }
   landmarks_.choose(filter_, bearings, reference_.inliers(), is_home);
   const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
   // under a later reference the lowest level may be another than the start's
