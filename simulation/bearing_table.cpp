@@ -51,10 +51,11 @@ BearingTable tabulate_bearings(const Camera& camera, int supersampling) {
                      .segments_a_row = (camera.width_px + kColumns - 1) / kColumns,
                      .segments = {}};
   for (int row = 0; row < camera.height_px; ++row) {
-    for (int sample = 0; sample < supersampling; ++sample) {
+    for (int sample = 0; sample < table.samples_a_pixel(); ++sample) {
+      const double sample_row = row + sample_offset(sample, supersampling).down;
       for (int segment = 0; segment < table.segments_a_row; ++segment) {
-        table.segments.push_back(fit_segment(camera, segment * kColumns + 0.5 * (kColumns - 1),
-                                             row + sample_offset(sample, supersampling)));
+        const double middle_column = segment * kColumns + 0.5 * (kColumns - 1);
+        table.segments.push_back(fit_segment(camera, middle_column, sample_row));
       }
     }
   }

@@ -16,25 +16,38 @@ struct BearingSegment {
   std::array<float, 4> y{};
 };
 
-/// Bearings (x, y, 1) of all samples of a picture, `supersampling` a pixel and direction in even
-/// distances. Through a wide-angle lens a cubic is within a hundredth of a pixel over a segment,
-/// and sixteen times smaller than a table, which the memory cannot deliver fast enough. NaN where
-/// the lens sees nothing in part of a segment.
+/// Bearings (x, y, 1) of all samples of a picture, as many a pixel as the square of
+/// `supersampling`. Through a wide-angle lens a cubic is within a hundredth of a pixel over a
+/// segment, and sixteen times smaller than a table, which the memory cannot deliver fast enough.
+/// NaN where the lens sees nothing in part of a segment.
 struct BearingTable {
   int supersampling = 1;
   int segments_a_row = 0;
-  std::vector<BearingSegment> segments;  ///< by rows of samples
+  std::vector<BearingSegment> segments;  ///< by rows of pixels, then samples of a pixel
 
-  /// The segments of one row of samples: `sample_row` of a pixel's.
-  [[nodiscard]] const BearingSegment* row(int pixel_row, int sample_row) const {
-    return &segments[static_cast<std::size_t>(pixel_row * supersampling + sample_row) *
+  [[nodiscard]] int samples_a_pixel() const { return supersampling * supersampling; }
+  /// The segments of a row, for one of the samples of its pixels.
+  [[nodiscard]] const BearingSegment* row(int pixel_row, int sample) const {
+    return &segments[static_cast<std::size_t>(pixel_row * samples_a_pixel() + sample) *
                      segments_a_row];
   }
 };
 
-/// Distance of a sample from its pixel's centre, in pixels.
-[[nodiscard]] constexpr double sample_offset(int sample, int supersampling) {
-  return (sample + 0.5) / supersampling - 0.5;
+/// Of a sample from its pixel's centre, in pixels.
+struct SampleOffset {
+  double right = 0;
+  double down = 0;
+};
+
+/// A grid turned so far that no two samples share a row or a column: an upright or level edge that
+/// moves on by a pixel passes them one by one, evenly (n rooks: Shirley 1991, "Discrepancy as a
+/// quality measure for sample distributions").
+[[nodiscard]] constexpr SampleOffset sample_offset(int sample, int supersampling) {
+  const int row = sample / supersampling;
+  const int column = sample % supersampling;
+  const double samples = supersampling * supersampling;
+  return {.right = (supersampling * (column + 1) - row - 0.5) / samples - 0.5,
+          .down = (supersampling * row + column + 0.5) / samples - 0.5};
 }
 
 /// Throws InputError on a bad camera, or where `supersampling` is not 1 to 4.

@@ -34,17 +34,18 @@ BearingBounds bounds_of(const BearingTable& bearings, int first_row, int rows, i
   Eigen::Array2f low = Eigen::Array2f::Constant(std::numeric_limits<float>::max());
   Eigen::Array2f high = -low;
   bool sees_all = true;
-  const int samples_a_row = kTileColumns * bearings.supersampling;
-  for (int k = 0; k < rows * bearings.supersampling * segments; ++k) {
+  const int samples = bearings.samples_a_pixel();
+  for (int k = 0; k < rows * samples * segments; ++k) {
     const BearingSegment& piece =
         bearings.row(first_row, k / segments)[first_segment + k % segments];
     if (std::isnan(piece.x[0])) {
       sees_all = false;
       continue;
     }
-    for (int sample = 0; sample < samples_a_row; ++sample) {
-      const auto t =
-          static_cast<float>((sample + 0.5) / bearings.supersampling - 0.5 * kTileColumns);
+    const int sample = k / segments % samples;
+    const double right = sample_offset(sample, bearings.supersampling).right;
+    for (int column = 0; column < kTileColumns; ++column) {
+      const auto t = static_cast<float>(column + right - 0.5 * (kTileColumns - 1));
       const Eigen::Array2f bearing(at(piece.x, t), at(piece.y, t));
       low = low.min(bearing);
       high = high.max(bearing);
@@ -71,23 +72,23 @@ using TileLight = std::array<float, kTileColumns * kTileRows>;
 TileLight light_of(const BearingTable& bearings, const std::vector<VisiblePatches>& near,
                    const BearingBounds& bounds, const TilePlace& place, float background_grey) {
   TileLight light{};
-  const int supersampling = bearings.supersampling;
-  const int samples = supersampling * supersampling;
+  const int samples = bearings.samples_a_pixel();
   const int instants = static_cast<int>(near.size());
   std::array<const BearingSegment*, kTileRows> segments{};
   for (int instant = 0; instant < instants; ++instant) {
     const VisiblePatches visible = visible_within(near[instant].patches, bounds);
     for (int sample = instant; sample < samples; sample += instants) {
       for (int row = 0; row < place.rows; ++row) {
-        segments[row] = bearings.row(place.first_row + row, sample / supersampling) + place.segment;
+        segments[row] = bearings.row(place.first_row + row, sample) + place.segment;
       }
+      const double right = sample_offset(sample, bearings.supersampling).right;
       add_tile({.candidates = visible.patches.data(),
                 .candidate_count = static_cast<int>(visible.patches.size()),
                 .covered = visible.covered,
                 .background_grey = background_grey,
                 .rows = place.rows,
                 .segments = segments.data(),
-                .offset = static_cast<float>(sample_offset(sample % supersampling, supersampling)),
+                .offset = static_cast<float>(right),
                 .round_up = rounding_of(sample, samples),
                 .grey = light.data()});
     }
@@ -127,7 +128,7 @@ cv::Mat PatchRenderer::render(const PatchScene& scene,
 }
 
 cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) const {
-  const int samples = bearings_.supersampling * bearings_.supersampling;
+  const int samples = bearings_.samples_a_pixel();
   if (shutter.instants < 1 || samples % shutter.instants != 0) {
     throw InputError("shutter: " + std::to_string(shutter.instants) +
                      " instants do not divide the " + std::to_string(samples) + " samples a pixel");

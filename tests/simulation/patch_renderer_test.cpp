@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <hwy/targets.h>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
@@ -250,6 +252,35 @@ TEST(PatchRenderer, BlursByTheMotionWhileTheShutterIsOpen) {
                      renderer.render(scene, opening), cv::NORM_INF),
             0);
   EXPECT_THROW((void)renderer.render(scene, Shutter{opening, closing, 3}), InputError);
+}
+
+// No two of a pixel's samples pass an upright or a level edge at once.
+TEST(PatchRenderer, MovesAnEdgeAlongThePixelsInEvenSteps) {
+  const PatchScene scene{.patches = {upright({5, 0, 0}, 4, 4, plain(200))}, .background_grey = 0};
+  const Camera camera = small_camera();
+  const PatchRenderer renderer(camera, 2);
+  // pixels of the patch left of the middle, or above it
+  const auto seen_px = [&](const cv::Mat& line) {
+    return cv::sum(line(cv::Range(0, static_cast<int>(line.total()) / 2), cv::Range::all()))[0] /
+           200;
+  };
+  constexpr int kSteps = 40;
+  for (const bool is_level : {true, false}) {
+    const double pixel_m = 5 / (is_level ? camera.focal_y_px : camera.focal_x_px);
+    const Eigen::Vector3d way(0, is_level ? 0 : -pixel_m, is_level ? pixel_m : 0);
+    std::vector<double> light;
+    for (int step = 0; step <= kSteps; ++step) {
+      const cv::Mat picture = renderer.render(scene, looking_ahead(0, 90, step * way / kSteps));
+      light.push_back(seen_px(is_level ? picture.col(camera.width_px / 2).clone()
+                                       : picture.row(camera.height_px / 2).t()));
+    }
+    double largest = 0;
+    for (int step = 0; step < kSteps; ++step) {
+      largest = std::max(largest, std::abs(light[step + 1] - light[step]));
+    }
+    EXPECT_NEAR(std::abs(light.back() - light.front()), 1, 1e-3);
+    EXPECT_NEAR(largest, 0.25, 1e-3);
+  }
 }
 
 TEST(PatchRenderer, IsTheSameTwiceAndNearlySoWithoutWideVectors) {
