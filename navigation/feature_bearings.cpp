@@ -2,8 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace stillkite {
+namespace {
+
+// Of a feature from its epipolar line: squared, over its variance, and the inverse of that.
+struct LineDistance {
+  double squared;
+  double information;
+};
+
+}  // namespace
 
 FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks) {
   FeatureBearings bearings;
@@ -66,23 +76,37 @@ std::optional<double> unit_variance(const FeatureBearings& bearings,
                                     const RelativePoseEstimate& estimate) {
   constexpr std::size_t kFewest = 20;
   constexpr double kMedian = 0.4549;  // of chi-square with one degree of freedom
+  constexpr double kStray = 16;       // four sigma
   const RelativePose& pose = estimate.epipolar;
   if (pose.direction.isZero()) return std::nullopt;
-  std::vector<double> squared;
-  squared.reserve(bearings.covariance.size());
+  std::vector<LineDistance> off;
+  off.reserve(bearings.covariance.size());
+  double information = 0;
   for (std::size_t i = 0; i < bearings.covariance.size() && i < estimate.inliers.size(); ++i) {
     if (estimate.inliers[i] == 0) continue;
     const BearingPair& pair = bearings.pairs[i];
     const Eigen::Vector3d line =
         pose.direction.cross(pose.current_from_reference * pair.reference.homogeneous());
-    const double off = line.dot(pair.current.homogeneous());
+    const double distance = line.dot(pair.current.homogeneous());
     const double variance = line.head<2>().dot(bearings.covariance[i] * line.head<2>());
-    if (variance > 0) squared.push_back(off * off / variance);
+    if (!(variance > 0)) continue;
+    off.push_back({distance * distance / variance, line.head<2>().squaredNorm() / variance});
+    information += off.back().information;
   }
-  if (squared.size() < kFewest) return std::nullopt;
-  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
-  std::nth_element(squared.begin(), middle, squared.end());
-  return *middle / kMedian;
+  if (off.size() < kFewest) return std::nullopt;
+  std::sort(off.begin(), off.end(),
+            [](const LineDistance& a, const LineDistance& b) { return a.squared < b.squared; });
+  auto middle = off.begin();
+  for (double below = middle->information; 2 * below < information; ++middle) {
+    below += std::next(middle)->information;
+  }
+  double sum = 0, weights = 0;
+  for (const LineDistance& one : off) {
+    if (one.squared > kStray * middle->squared / kMedian) break;
+    sum += one.information * one.squared;
+    weights += one.information;
+  }
+  return sum / weights;
 }
 
 double mean_shift_px(const FeatureTracks& tracks) {

@@ -33,8 +33,9 @@ struct FeatureBearings {
                                                     std::size_t count);
 
 /// The square that the inliers are off by from their epipolar lines, over what their covariances
-/// say, by the median of those that are told (geodesy's variance of unit weight). Nothing where
-/// less than 20 are, or there are no lines.
+/// say (geodesy's variance of unit weight): the mean of those within four sigma, each weighed by
+/// its information, for it is the best that a pose hangs on. Nothing where less than 20 are told,
+/// or there are no lines.
 [[nodiscard]] std::optional<double> unit_variance(const FeatureBearings& bearings,
                                                   const RelativePoseEstimate& estimate);
 

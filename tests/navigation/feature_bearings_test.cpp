@@ -55,6 +55,18 @@ TEST(UnitVariance, TellsByHowMuchMoreFeaturesAreOff) {
   EXPECT_NEAR(found_in(seen({.told_px = 0.2, .noise_px = 0.1})), 0.25, 0.06);
 }
 
+// Of features off by 0.1 px half are told to be off by 0.05, and half, as good as not there, by 1.
+TEST(UnitVariance, IsThatOfTheFeaturesThatTellMost) {
+  FeatureBearings bearings = seen({.told_px = 0.05, .noise_px = 0.1});
+  RelativePoseEstimate estimate = estimate_relative_pose(bearings.pairs, kFocal_px, {});
+  for (std::size_t i = 0; i < bearings.covariance.size(); i += 2) bearings.covariance[i] *= 400;
+  const std::optional<double> found = unit_variance(bearings, estimate);
+  for (std::size_t i = 0; i < estimate.inliers.size(); i += 2) estimate.inliers[i] = 0;
+  const std::optional<double> of_the_best = unit_variance(bearings, estimate);
+  ASSERT_TRUE(found && of_the_best);
+  EXPECT_NEAR(*found, *of_the_best, 0.02 * *of_the_best);
+}
+
 // Two poses explain a plane, and any way a turn on the spot: the lines are the same.
 TEST(UnitVariance, NeedsNoDepth) {
   EXPECT_NEAR(found_in(seen({.is_flat = true})), 1, 0.25);
