@@ -241,7 +241,9 @@ void FusedNavigator::judge_ground(bool is_home) {
 
 bool FusedNavigator::see_ground() {
   const std::optional<KeyframeView>& view = flow_.view();
-  return view && filter_.update_keyframe_view(*view, correlated_frames());
+  // a lens that is not as told bends the flow's windows as it bends features
+  const double more = std::max(1.0, landmarks_.unit_variance());
+  return view && filter_.update_keyframe_view(*view, more * correlated_frames());
 }
 
 // An error of the flow that would add up to a way counts as often as frames share it.

@@ -16,6 +16,8 @@ class LandmarkChoice {
 
   /// What a frame's features are off by, squared, over what their covariances say.
   void weigh(double unit_variance) { unit_variance_.add(unit_variance); }
+  /// The mean of it.
+  [[nodiscard]] double unit_variance() const { return unit_variance_.value(); }
   /// Those of the reference before go on under this one's numbers, and others are added where too
   /// few are in view. At home, which will be met again, none that is out of view makes way.
   void choose(FusionFilter& filter, const FeatureBearings& bearings,
