@@ -14,7 +14,7 @@ struct FusionConfig {
   double pixel_noise_ratio = 0.83;
   double window_error_ratio = 1.0;
   double window_error_way = 0.03;
-  double stray_above_ratio = 2.0;
+  double stray_above_ratio = 1.3;
   double stray_correlated_frames = 10;
   double gate_sigma = 4.0;
   bool flat_ground = false;
