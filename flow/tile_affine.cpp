@@ -15,83 +15,173 @@ namespace stillkite {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <class V>
+using D = hn::CappedTag<float, 16>;
+using DI = hn::Rebind<std::int32_t, D>;
+using V = hn::Vec<D>;
+using VI = hn::Vec<DI>;
+
+constexpr int kMostLanes = 16;
+
+// Where a tile's pixels lie in the current image: its centre, and how the others lie about it.
+struct TileMap {
+  float x = 0, y = 0;
+  Deformation a;
+};
+
+// A part of a tile as wide as a vector, in the current image.
+struct WarpedColumns {
+  HWY_ALIGN float rows[TileGrid::kMostRows][kMostLanes];
+};
+
 struct SixWeights {
   V a, b, c, d, e, f;
 };
 
+// As quintic_weights(), of the products of the distances to the six pixels.
+HWY_INLINE SixWeights six_weights(V fraction) {
+  const D d;
+  const auto from = [&](float k) { return hn::Sub(fraction, hn::Set(d, k)); };
+  const V before = hn::Mul(hn::Mul(from(-2), from(-1)), fraction);
+  const V after = hn::Mul(hn::Mul(from(1), from(2)), from(3));
+  const auto weight = [&](V product, float unit) { return hn::Mul(product, hn::Set(d, unit)); };
+  return {weight(hn::Mul(hn::Mul(from(-1), fraction), after), -1.0F / 120),
+          weight(hn::Mul(hn::Mul(from(-2), fraction), after), 1.0F / 24),
+          weight(hn::Mul(hn::Mul(from(-2), from(-1)), after), -1.0F / 12),
+          weight(hn::Mul(hn::Mul(from(2), from(3)), before), 1.0F / 12),
+          weight(hn::Mul(hn::Mul(from(1), from(3)), before), -1.0F / 24),
+          weight(hn::Mul(hn::Mul(from(1), from(2)), before), 1.0F / 120)};
+}
+
+// Along rows. Two gathers bring a row's six pixels, the first of them at `offset`, and no others.
+HWY_INLINE V across(const std::uint8_t* image, VI offset, const SixWeights& w) {
+  const D d;
+  const DI di;
+  const auto* base = reinterpret_cast<const std::int32_t*>(image);
+  const VI first = hn::GatherOffset(di, base, offset);
+  const VI last = hn::GatherOffset(di, base, hn::Add(offset, hn::Set(di, 2)));
+  const VI byte = hn::Set(di, 0xFF);
+  const auto pixel = [&](VI v) { return hn::ConvertTo(d, hn::And(v, byte)); };
+  V sum = hn::Mul(w.a, pixel(first));
+  sum = hn::MulAdd(w.b, pixel(hn::ShiftRight<8>(first)), sum);
+  sum = hn::MulAdd(w.c, pixel(hn::ShiftRight<16>(first)), sum);
+  sum = hn::MulAdd(w.d, pixel(hn::ShiftRight<24>(first)), sum);
+  sum = hn::MulAdd(w.e, pixel(hn::ShiftRight<16>(last)), sum);
+  return hn::MulAdd(w.f, pixel(hn::ShiftRight<24>(last)), sum);
+}
+
+// However the tile is deformed: six rows about each pixel.
+void warp_columns(const ImageView& image, const TileMap& map, int rows, V from_centre,
+                  WarpedColumns& out) {
+  const D d;
+  const DI di;
+  const auto stride = static_cast<std::int32_t>(image.stride);
+  const V u_middle = hn::MulAdd(from_centre, hn::Set(d, map.a.xx), hn::Set(d, map.x));
+  const V v_middle = hn::MulAdd(from_centre, hn::Set(d, map.a.yx), hn::Set(d, map.y));
+  for (int row = 0; row < rows; ++row) {
+    const float down = static_cast<float>(row) - 0.5F * static_cast<float>(rows - 1);
+    const V u = hn::Add(u_middle, hn::Set(d, map.a.xy * down));
+    const V v = hn::Add(v_middle, hn::Set(d, map.a.yy * down));
+    // inside the image u and v are positive: truncation is floor
+    const VI iu = hn::ConvertTo(di, u);
+    const VI iv = hn::ConvertTo(di, v);
+    const SixWeights wu = six_weights(hn::Sub(u, hn::ConvertTo(d, iu)));
+    const SixWeights wv = six_weights(hn::Sub(v, hn::ConvertTo(d, iv)));
+    VI offset = hn::Add(hn::Mul(iv, hn::Set(di, stride)), iu);
+    offset = hn::Sub(offset, hn::Set(di, 2 + 2 * stride));
+    V warped = hn::Mul(wv.a, across(image.data, offset, wu));
+    for (const V& weight : {wv.b, wv.c, wv.d, wv.e, wv.f}) {
+      offset = hn::Add(offset, hn::Set(di, stride));
+      warped = hn::MulAdd(weight, across(image.data, offset, wu), warped);
+    }
+    hn::Store(warped, d, out.rows[row]);
+  }
+}
+
+// So that a vector's columns of one row lie between two of the image's, and a column's slant moves
+// the rows that it needs beyond the tile by less than a pixel.
+bool is_slight(const Deformation& a) {
+  return std::abs(a.yx) * (kMostLanes - 1) <= 1 && std::abs(a.xy) <= 0.2F * a.yy && a.yy <= 1.25F;
+}
+
+// The same of a slight deformation, with a fourth of the gathers: first along the image's rows to
+// where they cross the tile's columns, each row once, then down the columns.
+void warp_columns_slightly(const ImageView& image, const TileMap& map, int rows, V from_centre,
+                           WarpedColumns& out) {
+  constexpr int kMostCrossed = TileGrid::kMostRows * 5 / 4 + 8;
+  const D d;
+  const DI di;
+  const float half = 0.5F * static_cast<float>(rows - 1);
+  const V v_middle = hn::MulAdd(from_centre, hn::Set(d, map.a.yx), hn::Set(d, map.y));
+  const float highest = hn::GetLane(hn::MinOfLanes(d, v_middle));
+  const auto row_above = [&](int row) {
+    return static_cast<int>(highest + map.a.yy * (static_cast<float>(row) - half));
+  };
+  const int first = row_above(0) - TileGrid::kBefore_px;
+  const int last = row_above(rows - 1) + 1 + TileGrid::kAfter_px;
+
+  HWY_ALIGN float crossed[kMostCrossed][kMostLanes];
+  const float slant = map.a.xy / map.a.yy;
+  const V u_middle =
+      hn::MulAdd(from_centre, hn::Set(d, map.a.xx - slant * map.a.yx), hn::Set(d, map.x));
+  for (int row = first; row <= last; ++row) {
+    const V u = hn::Add(u_middle, hn::Set(d, slant * (static_cast<float>(row) - map.y)));
+    const VI iu = hn::ConvertTo(di, u);
+    // one row beyond the image would count for nothing
+    const int inside = std::clamp(row, 0, image.height - 1);
+    const V grey =
+        across(image.data + inside * image.stride, hn::Sub(iu, hn::Set(di, TileGrid::kBefore_px)),
+               six_weights(hn::Sub(u, hn::ConvertTo(d, iu))));
+    hn::Store(grey, d, crossed[row - first]);
+  }
+  for (int row = 0; row < rows; ++row) {
+    const float down = map.a.yy * (static_cast<float>(row) - half);
+    const int above = row_above(row);
+    const V below =
+        hn::Sub(hn::Add(v_middle, hn::Set(d, down)), hn::Set(d, static_cast<float>(above)));
+    const V one = hn::Set(d, 1.0F);
+    const auto is_next = hn::Ge(below, one);
+    const SixWeights w = six_weights(hn::Sub(below, hn::IfThenElseZero(is_next, one)));
+    const float(*from)[kMostLanes] = crossed + (above - TileGrid::kBefore_px - first);
+    V warped = hn::Mul(hn::IfThenZeroElse(is_next, w.a), hn::Load(d, from[0]));
+    warped = hn::MulAdd(hn::IfThenElse(is_next, w.a, w.b), hn::Load(d, from[1]), warped);
+    warped = hn::MulAdd(hn::IfThenElse(is_next, w.b, w.c), hn::Load(d, from[2]), warped);
+    warped = hn::MulAdd(hn::IfThenElse(is_next, w.c, w.d), hn::Load(d, from[3]), warped);
+    warped = hn::MulAdd(hn::IfThenElse(is_next, w.d, w.e), hn::Load(d, from[4]), warped);
+    warped = hn::MulAdd(hn::IfThenElse(is_next, w.e, w.f), hn::Load(d, from[5]), warped);
+    warped = hn::MulAdd(hn::IfThenElseZero(is_next, w.f), hn::Load(d, from[6]), warped);
+    hn::Store(warped, d, out.rows[row]);
+  }
+}
+
 TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int top, int columns,
-                       int rows, float x, float y, float axx, float axy, float ayx, float ayy,
-                       float gain) {
-  const hn::CappedTag<float, 16> d;
-  const hn::Rebind<std::int32_t, decltype(d)> di;
-  const hn::Rebind<std::uint8_t, decltype(d)> d8;
-  using V = hn::Vec<decltype(d)>;
-  using VI = hn::Vec<decltype(di)>;
+                       int rows, const TileMap& map, bool slightly, float gain) {
+  const D d;
+  const DI di;
+  const hn::Rebind<std::uint8_t, D> d8;
   const auto load = [&](const std::uint8_t* p) {
     return hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, p)));
   };
-  const VI byte = hn::Set(di, 0xFF);
-  const VI stride = hn::Set(di, static_cast<std::int32_t>(cur.stride));
   const V half = hn::Set(d, 0.5F);
-  const auto* base = reinterpret_cast<const std::int32_t*>(cur.data);
-  // as quintic_weights(), of the products of the distances to the six pixels
-  const auto weights = [&](V f) {
-    const auto from = [&](float k) { return hn::Sub(f, hn::Set(d, k)); };
-    const V before = hn::Mul(hn::Mul(from(-2), from(-1)), f);
-    const V after = hn::Mul(hn::Mul(from(1), from(2)), from(3));
-    const auto weight = [&](V product, float unit) { return hn::Mul(product, hn::Set(d, unit)); };
-    return SixWeights<V>{weight(hn::Mul(hn::Mul(from(-1), f), after), -1.0F / 120),
-                         weight(hn::Mul(hn::Mul(from(-2), f), after), 1.0F / 24),
-                         weight(hn::Mul(hn::Mul(from(-2), from(-1)), after), -1.0F / 12),
-                         weight(hn::Mul(hn::Mul(from(2), from(3)), before), 1.0F / 12),
-                         weight(hn::Mul(hn::Mul(from(1), from(3)), before), -1.0F / 24),
-                         weight(hn::Mul(hn::Mul(from(1), from(2)), before), 1.0F / 120)};
-  };
-  // two gathers bring the six pixels of a row, the first from two pixels back; both stay inside it
-  const auto across = [&](VI offset, const SixWeights<V>& w) {
-    const VI first = hn::GatherOffset(di, base, offset);
-    const VI last = hn::GatherOffset(di, base, hn::Add(offset, hn::Set(di, 2)));
-    const auto pixel = [&](VI v) { return hn::ConvertTo(d, hn::And(v, byte)); };
-    V sum = hn::Mul(w.a, pixel(first));
-    sum = hn::MulAdd(w.b, pixel(hn::ShiftRight<8>(first)), sum);
-    sum = hn::MulAdd(w.c, pixel(hn::ShiftRight<16>(first)), sum);
-    sum = hn::MulAdd(w.d, pixel(hn::ShiftRight<24>(first)), sum);
-    sum = hn::MulAdd(w.e, pixel(hn::ShiftRight<16>(last)), sum);
-    return hn::MulAdd(w.f, pixel(hn::ShiftRight<24>(last)), sum);
-  };
-
-  V gx = hn::Zero(d), gy = gx, sr = gx, rr = gx, s0 = gx, s00 = gx, s0r = gx;
   const V vgain = hn::Set(d, gain);
+  V gx = hn::Zero(d), gy = gx, sr = gx, rr = gx, s0 = gx, s00 = gx, s0r = gx;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read
+  WarpedColumns warped;
   for (int column = 0; column < columns; column += static_cast<int>(hn::Lanes(d))) {
-    const V from_centre =
-        hn::Add(hn::Iota(d, 0.0F),
-                hn::Set(d, static_cast<float>(column) - 0.5F * static_cast<float>(columns - 1)));
+    const float first = static_cast<float>(column) - 0.5F * static_cast<float>(columns - 1);
+    const V from_centre = hn::Iota(d, first);
+    if (slightly) {
+      warp_columns_slightly(cur, map, rows, from_centre, warped);
+    } else {
+      warp_columns(cur, map, rows, from_centre, warped);
+    }
     const std::uint8_t* p = ref.data + top * ref.stride + left + column;
-    const float first_row = -0.5F * static_cast<float>(rows - 1);
-    V u = hn::MulAdd(from_centre, hn::Set(d, axx), hn::Set(d, x + axy * first_row));
-    V v = hn::MulAdd(from_centre, hn::Set(d, ayx), hn::Set(d, y + ayy * first_row));
     V up = load(p - ref.stride);
     V middle = load(p);
     for (int row = 0; row < rows; ++row) {
       const V down = load(p + ref.stride);
       const V ix = hn::Mul(half, hn::Sub(load(p + 1), load(p - 1)));
       const V iy = hn::Mul(half, hn::Sub(down, up));
-      // inside the image u and v are positive: truncation is floor
-      const VI iu = hn::ConvertTo(di, u);
-      const VI iv = hn::ConvertTo(di, v);
-      const V fu = hn::Sub(u, hn::ConvertTo(d, iu));
-      const V fv = hn::Sub(v, hn::ConvertTo(d, iv));
-      const SixWeights<V> wu = weights(fu);
-      const SixWeights<V> wv = weights(fv);
-      VI offset = hn::Add(hn::Mul(iv, stride), iu);
-      offset = hn::Sub(offset, hn::Set(di, 2 + 2 * static_cast<std::int32_t>(cur.stride)));
-      V warped = hn::Mul(wv.a, across(offset, wu));
-      for (const V& weight : {wv.b, wv.c, wv.d, wv.e, wv.f}) {
-        offset = hn::Add(offset, stride);
-        warped = hn::MulAdd(weight, across(offset, wu), warped);
-      }
-      const V r = hn::MulSub(middle, vgain, warped);
+      const V r = hn::MulSub(middle, vgain, hn::Load(d, warped.rows[row]));
       gx = hn::MulAdd(ix, r, gx);
       gy = hn::MulAdd(iy, r, gy);
       rr = hn::MulAdd(r, r, rr);
@@ -99,8 +189,6 @@ TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int
       s0 = hn::Add(s0, middle);
       s00 = hn::MulAdd(middle, middle, s00);
       s0r = hn::MulAdd(middle, r, s0r);
-      u = hn::Add(u, hn::Set(d, axy));
-      v = hn::Add(v, hn::Set(d, ayy));
       up = middle;
       middle = down;
       p += ref.stride;
@@ -128,21 +216,21 @@ void measure_deformed_kernel(const ImageView& ref, const ImageView& cur, const T
   for (int i = 0; i < grid.count; ++i) {
     const float x = at.x_px[i];
     const float y = at.y_px[i];
-    const float axx = at.axx[i], axy = at.axy[i], ayx = at.ayx[i], ayy = at.ayy[i];
-    const float reach_x = std::abs(axx) * half_width + std::abs(axy) * half_height;
-    const float reach_y = std::abs(ayx) * half_width + std::abs(ayy) * half_height;
-    const bool inside = x - reach_x >= kFirst && y - reach_y >= kFirst && x + reach_x <= last_x &&
-                        y + reach_y <= last_y && axx * ayy - axy * ayx > 0.1F;
-    if (!inside) {
+    const Deformation a{.xx = at.axx[i], .xy = at.axy[i], .yx = at.ayx[i], .yy = at.ayy[i]};
+    const float reach_x = std::abs(a.xx) * half_width + std::abs(a.xy) * half_height;
+    const float reach_y = std::abs(a.yx) * half_width + std::abs(a.yy) * half_height;
+    const float spare_x = std::min(x - reach_x - kFirst, last_x - x - reach_x);
+    const float spare_y = std::min(y - reach_y - kFirst, last_y - y - reach_y);
+    if (!(spare_x >= 0 && spare_y >= 0 && a.xx * a.yy - a.xy * a.yx > 0.1F)) {
       store({}, {}, pixels, {}, i, out);
       continue;
     }
     const TileTexture& texture = grid.columns == 32 ? texture_at<32>(ref, grid, i, textures)
                                                     : texture_at<16>(ref, grid, i, textures);
     store(texture,
-          deformed_tile(ref, cur, grid.left_px[i], grid.top_px[i], grid.columns, grid.rows, x, y,
-                        axx, axy, ayx, ayy, gain),
-          pixels, {axx, axy, ayx, ayy}, i, out);
+          deformed_tile(ref, cur, grid.left_px[i], grid.top_px[i], grid.columns, grid.rows,
+                        {.x = x, .y = y, .a = a}, is_slight(a) && spare_x >= 1, gain),
+          pixels, a, i, out);
   }
 }
 

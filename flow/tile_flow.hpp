@@ -12,9 +12,10 @@ struct TileGrid {
   /// Left of and above a tile, right of and below it: what interpolation needs.
   static constexpr int kBefore_px = 2;
   static constexpr int kAfter_px = 3;
+  static constexpr int kMostRows = 24;
 
   int columns = 0;  ///< width of a tile, px: 16 or 32
-  int rows = 0;     ///< height of a tile, px: at most 16
+  int rows = 0;     ///< height of a tile, px: at most `kMostRows`
   int count = 0;    ///< tiles, padding included
   std::vector<int> left_px, top_px;
   std::vector<float> centre_x_px, centre_y_px;

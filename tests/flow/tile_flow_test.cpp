@@ -131,6 +131,73 @@ TEST_P(FineTexture, moves_by_parts_of_a_pixel_as_coarse_texture_does) {
 
 INSTANTIATE_TEST_SUITE_P(Warps, FineTexture, testing::Values(TileWarp::shift, TileWarp::affine));
 
+struct Warp {
+  const char* name;
+  double xx, xy, yx, yy;
+};
+
+class DeformedTile : public testing::TestWithParam<Warp> {};
+
+// The current picture is the reference's texture deformed as the placement says: what is left is
+// the rounding of both to whole grey levels. Also where the tiles come near the picture's border.
+TEST_P(DeformedTile, is_warped_as_the_placement_says) {
+  constexpr double kMiddle_px = 0.5 * (kSide_px - 1);
+  const Warp& a = GetParam();
+  const auto grey = [](double x, double y) {
+    return cv::saturate_cast<std::uint8_t>(
+        128 + 55 * (std::sin(0.9 * x + 0.2 * y) + std::cos(0.8 * y - 0.3 * x)));
+  };
+  cv::Mat reference(kSide_px, kSide_px, CV_8UC1), current = reference.clone();
+  const double determinant = a.xx * a.yy - a.xy * a.yx;
+  for (int y = 0; y < kSide_px; ++y) {
+    for (int x = 0; x < kSide_px; ++x) {
+      const double dx = x - kMiddle_px - 0.3, dy = y - kMiddle_px + 0.4;
+      reference.at<std::uint8_t>(y, x) = grey(x, y);
+      current.at<std::uint8_t>(y, x) = grey(kMiddle_px + (a.yy * dx - a.xy * dy) / determinant,
+                                            kMiddle_px + (a.xx * dy - a.yx * dx) / determinant);
+    }
+  }
+  for (const int columns : {16, 32}) {
+    for (const int rows : {8, 16, 24}) {
+      const TileGrid grid = make_tile_grid(kSide_px, kSide_px, columns, rows);
+      TilePlacement placement = placed(grid, 0, 0, 0);
+      for (std::size_t i = 0; i < placement.x_px.size(); ++i) {
+        const double dx = grid.centre_x_px[i] - kMiddle_px, dy = grid.centre_y_px[i] - kMiddle_px;
+        placement.x_px[i] = static_cast<float>(kMiddle_px + 0.3 + a.xx * dx + a.xy * dy);
+        placement.y_px[i] = static_cast<float>(kMiddle_px - 0.4 + a.yx * dx + a.yy * dy);
+        placement.axx[i] = static_cast<float>(a.xx);
+        placement.axy[i] = static_cast<float>(a.xy);
+        placement.ayx[i] = static_cast<float>(a.yx);
+        placement.ayy[i] = static_cast<float>(a.yy);
+      }
+      TileTextures textures = unknown(grid);
+      TileFlow flow;
+      const TileMeasurements& m =
+          flow.measure(reference, current, grid, placement, TileWarp::affine, 1, {}, textures);
+      int measured = 0;
+      for (std::size_t i = 0; i < m.gxx.size(); ++i) {
+        if (m.gxx[i] == 0) continue;
+        ++measured;
+        constexpr double kRoundings_grey2 = 2.0 / 12;
+        EXPECT_LT(m.residual[i] / static_cast<float>(columns * rows), 1.5 * kRoundings_grey2) << i;
+        EXPECT_NEAR(m.gx[i] / m.gxx[i], 0, 0.004) << i;
+        EXPECT_NEAR(m.gy[i] / m.gyy[i], 0, 0.004) << i;
+      }
+      EXPECT_GE(measured, 2) << columns << 'x' << rows;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Warps, DeformedTile,
+                         testing::Values(Warp{"none", 1, 0, 0, 1},
+                                         Warp{"turned_by_3_deg", 0.9986, -0.0523, 0.0523, 0.9986},
+                                         Warp{"turned_back", 0.9986, 0.0523, -0.0523, 0.9986},
+                                         Warp{"nearer_and_sheared", 1.1, 0.12, 0.06, 1.05},
+                                         Warp{"farther", 0.85, -0.15, -0.066, 0.9},
+                                         Warp{"turned_by_30_deg", 0.866, -0.5, 0.5, 0.866},
+                                         Warp{"upright", 0, -1, 1, 0}),
+                         [](const auto& test) { return test.param.name; });
+
 // From black to white the gradient is 255 in all sixteen rows of a column: no sum may overflow. A
 // shear about the middle moves the upper half of the edge as far as the lower half, to other sides.
 TEST(TileFlow, a_sheared_edge_from_black_to_white_does_not_move) {
