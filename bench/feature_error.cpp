@@ -61,7 +61,7 @@ class SwayingCamera {
         scene_(options.scene == "room" ? make_room(static_cast<std::uint64_t>(options.seed))
                                        : make_coast(static_cast<std::uint64_t>(options.seed))),
         lens_(hover_camera().lens()),
-        renderer_(lens_, 2),
+        renderer_(lens_, hover_camera().supersampling),
         random_(static_cast<std::uint64_t>(options.seed), 7),
         reference_(RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, 2}} *
                    camera_raised_forward(hover_camera().forward_tilt_deg)) {

@@ -156,7 +156,7 @@ int run(int argc, char** argv) {
 
   cv::setNumThreads(1);
   const PatchScene scene = make_room(static_cast<std::uint64_t>(seed));
-  const PatchRenderer renderer(hover_camera().lens(), 2);
+  const PatchRenderer renderer(hover_camera().lens(), hover_camera().supersampling);
   Random random(static_cast<std::uint64_t>(seed), 1);
   std::vector<Pair> pairs;
   pairs.reserve(static_cast<std::size_t>(count));
