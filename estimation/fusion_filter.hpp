@@ -269,7 +269,6 @@ class FusionFilter {
   std::vector<ToldFrame> told_;
   std::vector<StartPasses> passes_;  // while the start is gone through again
   std::size_t passes_frames_ = 0;    // so much of it
-  bool is_relinearized_ = false;
   // d(own errors) by those after the frame before
   OwnMatrix since_frame_ = OwnMatrix::Identity();
   double gyro_s_ = 0;  // that the gyroscope has carried the camera since `begin_step`
