@@ -23,7 +23,7 @@ struct PlaneAlignmentConfig {
   static void fields(auto& self, auto&& field) {
     field("levels", self.levels, Range{1, 8}, "pyramid levels, the frame itself included");
     field("tile_columns", self.tile_columns, Range{16, 32}, "width of a window: 16 or 32 px");
-    field("tile_rows", self.tile_rows, Range{8, 24}, "height of a window");
+    field("tile_rows", self.tile_rows, Range{8, TileGrid::kMostRows}, "height of a window");
     field("exact_warp", self.exact_warp,
           "warp every pixel exactly where a window deforms much, instead of to first order");
     field("solver", self.solver, "least squares of the windows");
