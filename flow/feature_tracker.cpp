@@ -311,6 +311,8 @@ void FeatureTracker::judge() {
 
 // By the noise of each window, but no less than that of the median: a camera's is much the same all
 // over, and where compression has flattened two windows alike nothing is left of it to be seen.
+// What exceeds that hangs together over pixels, as where a window lies over two depths and half of
+// it moves otherwise, and moves the window by more than white noise of as many squares would.
 void FeatureTracker::tell_covariances() {
   const TileMeasurements& m = tiles_.measurements();
   noise_grey2_.clear();
@@ -321,9 +323,11 @@ void FeatureTracker::tell_covariances() {
   const auto middle = noise_grey2_.begin() + static_cast<std::ptrdiff_t>(noise_grey2_.size() / 2);
   std::nth_element(noise_grey2_.begin(), middle, noise_grey2_.end());
   const float least = *middle;
+  constexpr float kExcessWeight = 6;
   for (std::size_t i = 0; i < tracks_.found.size(); ++i) {
     if (tracks_.found[i] == 0) continue;
-    tracks_.covariance_px2[i] = covariance_of(m, i, std::max(noise_of(m, i), least));
+    const float excess = std::max(noise_of(m, i) - least, 0.0F);
+    tracks_.covariance_px2[i] = covariance_of(m, i, least + kExcessWeight * excess);
   }
 }
 

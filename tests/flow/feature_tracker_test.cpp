@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -119,6 +121,63 @@ TEST(FeatureTracker, IsNoSurerWhereItSeesNoNoise) {
     return traces.at(traces.size() / 2);
   };
   EXPECT_GT(median_trace_beyond(6), 50 * median_trace_beyond(0));
+}
+
+// A ground and strips before it, which move otherwise: what is seen at their edges is neither's.
+TEST(FeatureTracker, IsLessSureWhereAWindowLiesOverTwoDepths) {
+  constexpr int kStrip_px = 50;  // and as wide a gap
+  const Eigen::Vector2d ground_px(0.2, 0.1);
+  const Eigen::Vector2d strips_px(0.7, -0.3);
+  const auto from_left_edge = [](double x) {
+    return x - 2 * kStrip_px * std::floor(x / (2 * kStrip_px));
+  };
+  cv::RNG random(13);
+  const auto picture = [&](const Eigen::Vector2d& ground_at, const Eigen::Vector2d& strips_at) {
+    const auto grey_at = [](const Eigen::Vector2d& shift) {
+      return analytic_frame(kSize, Eigen::Affine2d(Eigen::Translation2d(shift)));
+    };
+    const cv::Mat ground = grey_at(ground_at);
+    const cv::Mat strips = grey_at(strips_at + Eigen::Vector2d(900, 700));
+    cv::Mat out(kSize, CV_8UC1);
+    for (int y = 0; y < kSize.height; ++y) {
+      for (int x = 0; x < kSize.width; ++x) {
+        const double to_left = from_left_edge(x - strips_at.x()) + 0.5;
+        const double strip =
+            std::clamp(to_left, 0.0, 1.0) - std::clamp(to_left - kStrip_px, 0.0, 1.0);
+        out.at<unsigned char>(y, x) = cv::saturate_cast<unsigned char>(
+            strip * strips.at<unsigned char>(y, x) + (1 - strip) * ground.at<unsigned char>(y, x) +
+            random.gaussian(1));
+      }
+    }
+    return out;
+  };
+  const cv::Mat reference = picture({0, 0}, {0, 0});
+  FeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  const FeatureTracks& tracks = tracker.track(picture(ground_px, strips_px));
+  std::vector<double> at_edges;
+  std::vector<double> elsewhere;
+  for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+    if (tracks.found[i] == 0) continue;
+    const Eigen::Vector2d moved = (tracks.current_px[i] - tracks.reference_px[i]).cast<double>();
+    const auto off = [&](const Eigen::Vector2d& truth) {
+      const Eigen::Matrix2d covariance_px2 = tracks.covariance_px2[i].cast<double>();
+      return 0.5 * (moved - truth).dot(covariance_px2.llt().solve(moved - truth));
+    };
+    const double to_left = from_left_edge(tracks.reference_px[i].x());
+    const double to_edge =
+        std::min({to_left, std::abs(to_left - kStrip_px), 2 * kStrip_px - to_left});
+    if (to_edge < 8) at_edges.push_back(std::min(off(ground_px), off(strips_px)));
+    if (to_edge > 13) elsewhere.push_back(std::min(off(ground_px), off(strips_px)));
+  }
+  ASSERT_GT(at_edges.size(), 50);
+  ASSERT_GT(elsewhere.size(), 50);
+  const auto mean = [](const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  };
+  EXPECT_LT(mean(at_edges), 15);  // 58 if what a window does not explain were white noise
+  EXPECT_GT(mean(elsewhere), 0.8);
+  EXPECT_LT(mean(elsewhere), 1.6);
 }
 
 // Structures of all sizes, as a scene has them: a long way then leaves no doubt.
