@@ -28,10 +28,16 @@ class SparseRows {
       const Eigen::MatrixXd& P, int n) const {
     Eigen::Matrix<double, Eigen::Dynamic, kRows> out =
         Eigen::Matrix<double, Eigen::Dynamic, kRows>::Zero(n, kRows);
-    // column by column: products as thin as that are vectorised along P's columns only
+    // of fixed size: other products as thin as that are not vectorised along P's columns
     for (int i = 0; i < count_; ++i) {
+      const auto of_block = P.middleCols(columns_[i], blocks_[i].cols()).topRows(n);
+      if (blocks_[i].cols() == 3) {
+        out.noalias() += of_block.template leftCols<3>().lazyProduct(
+            blocks_[i].template leftCols<3>().transpose());
+        continue;
+      }
       for (Eigen::Index k = 0; k < blocks_[i].cols(); ++k) {
-        out.noalias() += P.col(columns_[i] + k).head(n) * blocks_[i].col(k).transpose();
+        out.noalias() += of_block.col(k) * blocks_[i].col(k).transpose();
       }
     }
     return out;

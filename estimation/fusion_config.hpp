@@ -11,14 +11,14 @@ inline constexpr double kCarefulFrames = 300;
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
   double pixel_sigma_px = 0.004;
-  double pixel_noise_ratio = 0.70;
+  double pixel_noise_ratio = 0.68;
   double window_error_ratio = 1.0;
   double window_error_way = 0.03;
   double stray_above_ratio = 1.3;
   double stray_correlated_frames = 10;
   double gate_sigma = 4.0;
   bool flat_ground = false;
-  int landmarks = 48;
+  int landmarks = 96;
   int min_landmarks = 12;
   double renew_below_ratio = 0.3;
   double inverse_depth_sigma_ratio = 1.0;

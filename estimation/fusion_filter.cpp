@@ -63,13 +63,6 @@ bool FusionFilter::correct(const Innovation<kRows>& innovation) {
   return true;
 }
 
-// A A^T off P, of which one half is computed and mirrored.
-void FusionFilter::take_off(const Eigen::MatrixXd& A_t) {
-  Eigen::Block<Eigen::MatrixXd> P = P_.topLeftCorner(size(), size());
-  P.selfadjointView<Eigen::Lower>().rankUpdate(A_t.transpose(), -1);
-  P.triangularView<Eigen::StrictlyUpper>() = P.transpose();
-}
-
 template bool FusionFilter::correct(const Innovation<1>&);
 template bool FusionFilter::correct(const Innovation<2>&);
 template bool FusionFilter::correct(const Innovation<3>&);

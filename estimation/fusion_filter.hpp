@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -79,8 +80,8 @@ class FusionFilter {
   void add_landmark(const FeatureView& reference, const std::optional<Eigen::Vector2d>& seen = {});
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
   /// gives how many were not. A landmark that is refused too often in a row goes, and the unit is
-  /// settled. From the 20th and the 40th frame under the first reference on some take ten times as
-  /// long: all that was told is gone through again (`FusionConfig::relinearize_start`).
+  /// settled. From the 20th and the 40th frame under the first reference on some take several
+  /// times as long: all that was told is gone through again (`FusionConfig::relinearize_start`).
   int update_landmarks(std::span<const FeatureView> seen);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
@@ -140,7 +141,7 @@ class FusionFilter {
   struct JointCorrection {
     Eigen::VectorXd error;
     Eigen::MatrixXd A_t;
-    Eigen::LLT<Eigen::MatrixXd> S;
+    Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> S;
     Eigen::VectorXd residual;
     double squared = 0;  // the residual, by S
   };
@@ -163,14 +164,8 @@ class FusionFilter {
   };
   using StartLandmarks = std::map<int, StartLandmark>;  // by features
   using StartWay = std::vector<RigidTransform>;         // world from camera, a frame each
-  struct StartPasses {
-    StartLandmarks about = {};
-    StartWay way = {};  // that goes with these depths; empty: each frame's resection
-    int weighings = 0;
-    int done = 0;
-    bool is_settled = false;
-  };
   struct Retold;
+  struct StartPasses;
   struct Resection {
     RigidTransform world_from_camera;
     Matrix6d information;  // of (rotation, position)
@@ -192,7 +187,6 @@ class FusionFilter {
   void propagate(const Transition& F, const Matrix9d& noise, double dt_s);
   template <int kRows>
   bool correct(const Innovation<kRows>& innovation);
-  void take_off(const Eigen::MatrixXd& A_t);
   [[nodiscard]] bool is_within_gate(const LandmarkView& view) const;
   [[nodiscard]] std::size_t count_refused(const std::vector<LandmarkView>& views) const;
   void doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views);
@@ -219,8 +213,8 @@ class FusionFilter {
   void relinearize_start();
   [[nodiscard]] StartPasses passes_about(const std::vector<Landmark>& landmarks,
                                          std::size_t frames) const;
-  [[nodiscard]] Retold next_pass(StartPasses& passes) const;
-  [[nodiscard]] Retold retold_about(StartPasses& passes, std::size_t frames) const;
+  [[nodiscard]] bool retell(StartPasses& passes, std::size_t frames, std::size_t& left) const;
+  void judge(StartPasses& passes) const;
   void retell_views(std::span<const FeatureView> seen, const RigidTransform* world_from_camera,
                     StartLandmarks& about, Retold& again);
   [[nodiscard]] StartWay smoothed_way(const std::vector<Landmark>& landmarks,
@@ -273,6 +267,29 @@ class FusionFilter {
   OwnMatrix since_frame_ = OwnMatrix::Identity();
   double gyro_s_ = 0;  // that the gyroscope has carried the camera since `begin_step`
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
+};
+
+// told the same again, up to a frame
+struct FusionFilter::Retold {
+  FusionFilter filter;
+  std::size_t frames = 0;
+  double cost = 0;
+  std::map<int, RunningRatio> strays = {};
+};
+
+struct FusionFilter::StartPasses {
+  StartLandmarks about = {};
+  StartWay way = {};  // that goes with these depths; empty: each frame's resection
+  int weighings = 0;
+  int done = 0;
+  bool is_settled = false;
+  bool is_last = false;              // then it takes the place of what is at hand
+  std::optional<Retold> begun = {};  // the pass at hand, if there is one
+  // what the last one told: of the views -2 log likelihood, but for what all starts share
+  double cost = HUGE_VAL;
+  std::vector<Landmark> landmarks = {};
+  // among starts, without weights
+  [[nodiscard]] bool is_search() const { return weighings == 0; }
 };
 
 }  // namespace stillkite

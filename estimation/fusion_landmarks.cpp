@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "estimation/dense_update.hpp"
 #include "estimation/fusion_filter.hpp"
 #include "estimation/landmark_model.hpp"
 
@@ -259,19 +260,23 @@ void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
 }
 
 // The view that is furthest from what all others and the prediction say of it, if that is beyond
-// the gate: with x = S^-1 r it is off by e_i = (S^-1)_ii^-1 x_i, of covariance (S^-1)_ii^-1. What
-// is near enough to a vague prediction may be far from what the others leave open. None is further
-// than all together are.
+// the gate: with x = S^-1 r it is off by e_i = (S^-1)_ii^-1 x_i, of covariance (S^-1)_ii^-1, which
+// is no more than S_ii. What is near enough to a vague prediction may be far from what the others
+// leave open.
 std::optional<std::size_t> FusionFilter::stray_among(const JointCorrection& views) const {
   double most = 2 * square(config_.gate_sigma);
-  if (views.squared <= most) return std::nullopt;
-  const Eigen::Index rows = views.residual.size();
-  const Eigen::MatrixXd inverse = views.S.solve(Eigen::MatrixXd::Identity(rows, rows));
-  const Eigen::VectorXd x = inverse * views.residual;
+  const Eigen::MatrixXd& U = views.S.matrixLLT();
+  const Eigen::VectorXd x = views.S.solve(views.residual);
   std::optional<std::size_t> stray;
   for (Eigen::Index row = 0; row < x.size(); row += 2) {
     const Eigen::Vector2d own = x.segment<2>(row);
-    const double off = own.dot(inverse.block<2, 2>(row, row).llt().solve(own));
+    const Eigen::Vector2d by_own = U.block<2, 2>(row, row).triangularView<Eigen::Upper>() * own;
+    if ((U.block(0, row, row, 2) * own).squaredNorm() + by_own.squaredNorm() <= most) continue;
+    const Eigen::Index left = x.size() - row;
+    Eigen::MatrixX2d column = Eigen::MatrixX2d::Identity(left, 2);
+    U.bottomRightCorner(left, left).triangularView<Eigen::Upper>().transpose().solveInPlace(column);
+    const Eigen::Matrix2d of_inverse = column.transpose() * column;
+    const double off = own.dot(of_inverse.llt().solve(own));
     if (off <= most) continue;
     most = off;
     stray = static_cast<std::size_t>(row / 2);
@@ -298,19 +303,21 @@ std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
     residual.segment<2>(row) = innovation->residual + innovation->H.times(offset);
     innovations.push_back(*innovation);
   }
+  Eigen::MatrixXd A_t = PHt.transpose();
   for (std::size_t i = 0; i < innovations.size(); ++i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    S.middleRows<2>(row) = innovations[i].H.times(PHt);
+    S.block(0, row, row + 2, 2) = innovations[i].H.times_transposed(A_t, static_cast<int>(row) + 2);
     S.block<2, 2>(row, row) += innovations[i].noise;
   }
-  Eigen::LLT<Eigen::MatrixXd> factor(S);
+  Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(S);
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::VectorXd whitened = factor.matrixL().solve(residual);
   JointCorrection out{.error = {},
-                      .A_t = factor.matrixL().solve(PHt.transpose()),
+                      .A_t = std::move(A_t),
                       .S = {},
                       .residual = std::move(residual),
                       .squared = whitened.squaredNorm()};
+  solve_transposed(factor.matrixLLT(), out.A_t);
   out.S = std::move(factor);
   out.error = out.A_t.transpose() * whitened;
   if (!out.error.allFinite()) return std::nullopt;
@@ -353,7 +360,7 @@ bool FusionFilter::correct_jointly(std::vector<LandmarkView>& views) {
     correction = joint_correction(views);
   }
   if (!correction) return false;
-  take_off(correction->A_t);
+  subtract_gram(correction->A_t, P_);
   inject(correction->error);
   return true;
 }

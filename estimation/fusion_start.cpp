@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "estimation/dense_update.hpp"
 #include "estimation/fusion_filter.hpp"
 #include "estimation/landmark_model.hpp"
 
@@ -17,21 +18,16 @@ namespace {
 using Index = FusionIndex;
 constexpr std::size_t kFirstFrames = 20;
 constexpr std::size_t kLastFrames = 40;
-constexpr int kMostPasses = kLastFrames - kFirstFrames + 1;
-constexpr int kWeighings = 2;
+constexpr int kMostPasses = 21;
+constexpr int kWeighings = 3;
+constexpr int kSearched = 32;  // landmarks, and half as many spare ones, tell false starts
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
 
-double log_determinant(const Eigen::LLT<Eigen::MatrixXd>& factor) {
+double log_determinant(const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper>& factor) {
   return 2 * factor.matrixLLT().diagonal().array().log().sum();
 }
 
 }  // namespace
-
-struct FusionFilter::Retold {
-  FusionFilter filter;
-  double cost = 0;  // -2 log likelihood of the views, but for what is the same for all starts
-  std::map<int, RunningRatio> strays;
-};
 
 void FusionFilter::remember(std::function<void(FusionFilter&)> told) {
   if (told_.empty()) return;
@@ -76,32 +72,33 @@ void FusionFilter::relinearize_start() {
   const std::size_t frames = told_.size() - 1;
   if (frames == kFirstFrames || frames == kLastFrames) begin_passes(frames);
   if (passes_.empty()) return;
-  // 1. A pass a frame; all of them together would take as long as several frames.
-  std::vector<Retold> retold;
-  for (StartPasses& passes : passes_) retold.push_back(next_pass(passes));
-  const bool is_over = std::all_of(passes_.begin(), passes_.end(), [](const StartPasses& p) {
+  // 1. So many pictures a frame, of one start after the other: more would take too long.
+  constexpr std::size_t kSearchedAtOnce = 80;
+  constexpr std::size_t kRetoldAtOnce = 20;
+  std::size_t left = passes_.front().is_search() ? kSearchedAtOnce : kRetoldAtOnce;
+  const auto is_done = [](const StartPasses& p) {
     return p.is_settled || p.done >= p.weighings + kMostPasses;
-  });
-  if (!is_over) return;
-  // 2. The best one goes on with weights, and then takes the place of what is at hand.
-  const auto best =
-      std::min_element(retold.begin(), retold.end(),
-                       [](const Retold& a, const Retold& b) { return a.cost < b.cost; });
-  const StartPasses& chosen = passes_[static_cast<std::size_t>(best - retold.begin())];
-  const bool is_settled = chosen.is_settled;
-  const bool is_weighed = chosen.weighings > 0;
-  passes_.clear();
-  if (is_settled) {
-    const std::size_t known = is_weighed ? frames : passes_frames_;
-    StartPasses next = passes_about(best->filter.landmarks_, known);
-    if (is_weighed) {
-      adopt(retold_about(next, frames).filter);
-    } else {
-      next.weighings = kWeighings;
-      passes_ = {std::move(next)};
-    }
+  };
+  for (StartPasses& passes : passes_) {
+    if (is_done(passes) || left == 0) continue;
+    if (retell(passes, passes.is_last ? frames : passes_frames_, left)) judge(passes);
   }
-  if (passes_.empty() && frames >= kLastFrames) forget_start();
+  if (!std::all_of(passes_.begin(), passes_.end(), is_done)) return;
+  // 2. The best one goes on with weights, and then takes the place of what is at hand.
+  const StartPasses best = std::move(*std::min_element(
+      passes_.begin(), passes_.end(),
+      [](const StartPasses& a, const StartPasses& b) { return a.cost < b.cost; }));
+  passes_.clear();
+  if (best.is_last) {
+    adopt(best.begun->filter);
+  } else if (best.is_settled) {
+    const bool is_weighed = best.weighings > 0;
+    passes_.push_back(passes_about(best.landmarks, is_weighed ? frames : passes_frames_));
+    passes_.back().weighings = kWeighings;
+    passes_.back().is_last = is_weighed;
+    return;
+  }
+  if (frames >= kLastFrames) forget_start();
 }
 
 FusionFilter::StartPasses FusionFilter::passes_about(const std::vector<Landmark>& landmarks,
@@ -113,14 +110,18 @@ FusionFilter::StartPasses FusionFilter::passes_about(const std::vector<Landmark>
 
 // Settled once no depth moves, where all are in view. In the first passes, as many as `weighings`,
 // each landmark is weighed by what its views were off by in the one before.
-FusionFilter::Retold FusionFilter::next_pass(StartPasses& passes) const {
+void FusionFilter::judge(StartPasses& passes) const {
   constexpr double kSettled_sigma = 0.1;
-  Retold again = retold_about(passes, passes_frames_);
-  passes.way = smoothed_way(again.filter.landmarks_, passes_frames_);
+  passes.is_settled = passes.is_last;
+  if (passes.is_last) return;
+  const Retold again = *std::exchange(passes.begun, std::nullopt);
+  passes.cost = again.cost;
+  passes.landmarks = again.filter.landmarks_;
+  passes.way = smoothed_way(passes.landmarks, passes_frames_);
   const bool weighs = passes.done++ < passes.weighings;
   passes.is_settled = std::isfinite(again.cost) && !weighs;
-  for (std::size_t i = 0; i < again.filter.landmarks_.size(); ++i) {
-    const Landmark& landmark = again.filter.landmarks_[i];
+  for (std::size_t i = 0; i < passes.landmarks.size(); ++i) {
+    const Landmark& landmark = passes.landmarks[i];
     const int depth = column_of(i) + 2;
     StartLandmark& before = passes.about[landmark.feature];
     if (std::abs(landmark.inverse_depth - before.inverse_depth) >=
@@ -130,25 +131,32 @@ FusionFilter::Retold FusionFilter::next_pass(StartPasses& passes) const {
     before.inverse_depth = landmark.inverse_depth;
     if (weighs) before.stray = landmark.stray;
   }
-  return again;
 }
 
-// A filter that has been told the same up to a frame, linearised about depths and a way; where no
-// depth is given yet about the guess, which is then given.
-FusionFilter::Retold FusionFilter::retold_about(StartPasses& passes, std::size_t frames) const {
-  FusionConfig config = config_;
-  config.relinearize_start = false;
-  config.depth_correlated_frames = 0;
-  Retold again{.filter = FusionFilter(config, start_), .cost = 0, .strays = {}};
-  for (std::size_t i = 0; i < frames; ++i) {
-    for (const auto& tell : told_[i].told) tell(again.filter);
-    const RigidTransform* pose = passes.way.empty() ? nullptr : &passes.way[i];
-    again.filter.retell_views(told_[i].seen, pose, passes.about, again);
+// Tells a new filter some more frames, as many as are left, linearised about depths and a way;
+// where no depth is given yet about the guess, which is then given. True once it has been told them
+// all.
+bool FusionFilter::retell(StartPasses& passes, std::size_t frames, std::size_t& left) const {
+  if (!passes.begun) {
+    FusionConfig config = config_;
+    config.relinearize_start = false;
+    config.depth_correlated_frames = 0;
+    if (passes.is_search()) config.landmarks = std::min(config.landmarks, kSearched);
+    passes.begun = Retold{.filter = FusionFilter(config, start_)};
   }
+  Retold& again = *passes.begun;
+  for (; left > 0 && again.frames < frames; --left, ++again.frames) {
+    const ToldFrame& frame = told_[again.frames];
+    for (const auto& tell : frame.told) tell(again.filter);
+    const bool has_pose = again.frames < passes.way.size();
+    again.filter.retell_views(frame.seen, has_pose ? &passes.way[again.frames] : nullptr,
+                              passes.about, again);
+  }
+  if (again.frames < frames) return false;
   for (Landmark& landmark : again.filter.landmarks_) {
     landmark.stray = again.strays[landmark.feature];
   }
-  return again;
+  return true;
 }
 
 // Adds what the views cost; infinite where one cannot be seen. Without the determinant a longer way
@@ -181,7 +189,7 @@ void FusionFilter::retell_views(std::span<const FeatureView> seen,
   const std::vector<LandmarkView> views = landmark_views(seen);
   const auto correction = joint_correction(views, offset);
   if (correction) {
-    take_off(correction->A_t);
+    subtract_gram(correction->A_t, P_);
     error += correction->error;
   }
   inject(error);

@@ -1,5 +1,7 @@
 #include "tests/estimation/fusion_scene.hpp"
 
+#include "geometry/plane.hpp"
+
 namespace stillkite {
 namespace {
 

@@ -39,6 +39,7 @@ struct FusionScene {
 [[nodiscard]] inline FusionConfig white_noise() {
   FusionConfig config;
   config.window_error_way = 1e6;
+  config.landmarks = 48;  // of twice as many no wrong start is sure of itself
   return config;
 }
 

@@ -1,0 +1,30 @@
+#include "navigation/landmark_choice.hpp"
+
+#include <gtest/gtest.h>
+
+namespace stillkite {
+namespace {
+
+// Of one feature that is told to be good to a thousandth.
+double told_variance(int landmarks, double unit_variance) {
+  FusionConfig config;
+  config.landmarks = landmarks;
+  LandmarkChoice choice(config, 500);
+  for (int i = 0; i < 1000; ++i) choice.weigh(unit_variance);
+  const FeatureBearings bearings{.pairs = {{.reference = {0.1, 0.2}, .current = {0.1, 0.2}}},
+                                 .feature_of_pair = {0},
+                                 .covariance = {1e-6 * Eigen::Matrix2d::Identity()}};
+  return choice.views(bearings, {1}).front().covariance(0, 0);
+}
+
+// What a lens is off by is alike in neighbours, and no noise that many of them average.
+TEST(LandmarkChoice, MoreLandmarksTellNoMoreThroughALensThatIsNotAsTold) {
+  EXPECT_DOUBLE_EQ(told_variance(96, 2), told_variance(48, 2));
+  const double as_noise = told_variance(48, 12) / told_variance(48, 2);
+  EXPECT_NEAR(as_noise, 6, 0.3);
+  EXPECT_GT(told_variance(96, 12), 1.5 * told_variance(48, 12));
+  EXPECT_LE(told_variance(96, 12), 2 * told_variance(48, 12));
+}
+
+}  // namespace
+}  // namespace stillkite
