@@ -12,20 +12,27 @@ constexpr int kUnnumbered = -1;
 // what belongs to a map beside its landmarks: tilt, scale, height, the anchor's pose
 constexpr int kMapSize = Index::kKeyframeRotation - Index::kTilt;
 
-}  // namespace
+// Landmarks as they would be with the camera for their anchor, and their inverse depths'
+// covariances with the state and with each other.
+struct InheritedDepths {
+  std::vector<Landmark> landmarks;
+  Eigen::MatrixXd with_state;
+  Eigen::MatrixXd covariance;
+};
 
 // Of what is in view, with all that the depths share with the state and with each other.
-FusionFilter::InheritedDepths FusionFilter::depths_from_camera() const {
+InheritedDepths depths_from_camera(const FusionState& state, const std::vector<Landmark>& landmarks,
+                                   const Eigen::MatrixXd& P) {
   constexpr double kKnown = 0.25;         // a depth to that share; a new guess is as good
   constexpr double kRelief_share = 0.01;  // of depth, between the old feature and the new
-  const int n = size();
-  InheritedDepths out{.landmarks = {}, .with_state = Eigen::MatrixXd(n, landmarks_.size())};
+  const int n = Index::landmark(landmarks.size());
+  InheritedDepths out{.landmarks = {}, .with_state = Eigen::MatrixXd(n, landmarks.size())};
   std::vector<SparseRows<1>> rows;
-  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    if (landmarks_[i].unseen > 0 || landmarks_[i].refused > 0) continue;
-    const auto view = landmark_from_camera(state_, landmarks_[i], column_of(i));
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (landmarks[i].unseen > 0 || landmarks[i].refused > 0) continue;
+    const auto view = landmark_from_camera(state, landmarks[i], Index::landmark(i));
     if (!view || !(view->inverse_depth > 0)) continue;
-    const Eigen::VectorXd with_state = view->by_error.times_transposed(P_, n);
+    const Eigen::VectorXd with_state = view->by_error.times_transposed(P, n);
     const double variance = view->by_error.times(with_state)(0, 0);
     if (!(variance < square(kKnown * view->inverse_depth))) continue;
     out.with_state.col(static_cast<Eigen::Index>(rows.size())) = with_state;
@@ -34,7 +41,7 @@ FusionFilter::InheritedDepths FusionFilter::depths_from_camera() const {
                              .bearing = view->bearing,
                              .reference = view->bearing,
                              .inverse_depth = view->inverse_depth,
-                             .is_on_ground = landmarks_[i].is_on_ground});
+                             .is_on_ground = landmarks[i].is_on_ground});
   }
   const auto count = static_cast<Eigen::Index>(rows.size());
   out.with_state.conservativeResize(n, count);
@@ -47,12 +54,14 @@ FusionFilter::InheritedDepths FusionFilter::depths_from_camera() const {
   return out;
 }
 
+}  // namespace
+
 // A landmark that stays in view is the same point: with its depth all that the lengths of the old
 // map are known by goes over into the new one. Nothing else is left of it.
 void FusionFilter::take_anchor() {
-  if (!landmarks_.empty()) forget_start();
-  remember([](FusionFilter& filter) { filter.take_anchor(); });
-  const InheritedDepths kept = depths_from_camera();
+  if (!landmarks_.empty()) start_.forget();
+  start_.remember([](FusionFilter& filter) { filter.take_anchor(); });
+  const InheritedDepths kept = depths_from_camera(state_, landmarks_, P_);
   if (!landmarks_.empty()) is_first_map_ = false;
   landmarks_ = kept.landmarks;
   dropped_.clear();
@@ -61,12 +70,12 @@ void FusionFilter::take_anchor() {
   P_.block(0, Index::kLandmarks, n, n - Index::kLandmarks).setZero();
   P_.block(Index::kLandmarks, 0, n - Index::kLandmarks, n).setZero();
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    const int depth = column_of(i) + 2;
+    const int depth = Index::landmark(i) + 2;
     const auto k = static_cast<Eigen::Index>(i);
     P_.col(depth).head<Index::kLandmarks>() = kept.with_state.col(k).head<Index::kLandmarks>();
     P_.row(depth).head<Index::kLandmarks>() = kept.with_state.col(k).head<Index::kLandmarks>();
     for (std::size_t j = 0; j < landmarks_.size(); ++j) {
-      P_(column_of(j) + 2, depth) = kept.covariance(static_cast<Eigen::Index>(j), k);
+      P_(Index::landmark(j) + 2, depth) = kept.covariance(static_cast<Eigen::Index>(j), k);
     }
   }
   clone(Index::kRotation, 6, Index::kAnchorRotation);
@@ -94,7 +103,7 @@ void FusionFilter::number_landmarks(std::span<const FeatureView> reference, doub
     }
     landmark.feature = nearest->feature;
     landmark.bearing = landmark.reference = nearest->bearing;
-    P_.block<2, 2>(column_of(i), column_of(i)) = nearest->covariance;
+    P_.block<2, 2>(Index::landmark(i), Index::landmark(i)) = nearest->covariance;
   }
 }
 
@@ -115,7 +124,7 @@ FusionMap FusionFilter::map() const {
 }
 
 void FusionFilter::restore(const FusionMap& map) {
-  forget_start();
+  start_.forget();
   change_unit(std::exp(state_.log_scale - map.log_scale));
   state_.gravity_tilt_rad = map.gravity_tilt_rad;
   state_.log_scale = map.log_scale;

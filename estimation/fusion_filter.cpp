@@ -13,7 +13,7 @@ using Index = FusionIndex;
 
 FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
     : config_(config),
-      start_(start),
+      start_(config, start),
       start_in_world_(start.world_from_camera.translation),
       start_m_(start_in_world_),
       is_height_given_(start.log_unit_sigma == 0) {
@@ -33,18 +33,17 @@ FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
   set(Index::kScale, 1, config.scale_sigma_ratio);
   set(Index::kHeight, 1, config.height_sigma_ratio);
   doubt_height(start.log_unit_sigma);
-  if (config.relinearize_start) told_.resize(1);
 }
 
 // Of a unit that is no metre the height is as many metres: both or neither.
 void FusionFilter::doubt_height(double sigma_ratio) {
-  remember([=](FusionFilter& filter) { filter.doubt_height(sigma_ratio); });
+  start_.remember([=](FusionFilter& filter) { filter.doubt_height(sigma_ratio); });
   P_.block<2, 2>(Index::kScale, Index::kScale) +=
       square(sigma_ratio) * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
 }
 
 int FusionFilter::size() const {
-  return Index::kLandmarks + 3 * static_cast<int>(landmarks_.size());
+  return Index::landmark(landmarks_.size());
 }
 
 template <int kRows>
@@ -92,7 +91,7 @@ void FusionFilter::inject(const Eigen::VectorXd& error) {
 }
 
 bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
-  remember([=](FusionFilter& filter) { filter.update_up(up_in_camera); });
+  start_.remember([=](FusionFilter& filter) { filter.update_up(up_in_camera); });
   // R up is exp(tilt) z: its level parts are (tilt_y, -tilt_x)
   const Eigen::Vector3d up = state_.world_from_camera.rotation * up_in_camera.normalized();
   Innovation<2> innovation{
@@ -109,7 +108,8 @@ bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
 
 bool FusionFilter::update_turn(const Eigen::Quaterniond& anchor_from_camera,
                                const Eigen::Matrix3d& covariance) {
-  remember([=](FusionFilter& filter) { filter.update_turn(anchor_from_camera, covariance); });
+  start_.remember(
+      [=](FusionFilter& filter) { filter.update_turn(anchor_from_camera, covariance); });
   const Eigen::Quaterniond from_anchor = state_.world_from_anchor.rotation.conjugate();
   const Eigen::Quaterniond expected = from_anchor * state_.world_from_camera.rotation;
   const Eigen::Matrix3d in_anchor = from_anchor.toRotationMatrix();
@@ -120,10 +120,22 @@ bool FusionFilter::update_turn(const Eigen::Quaterniond& anchor_from_camera,
   return correct(innovation);
 }
 
+bool FusionFilter::update_pose(const Resection& seen_from) {
+  const RigidTransform& pose = state_.world_from_camera;
+  Innovation<6> innovation;
+  innovation.residual << so3_log(seen_from.world_from_camera.rotation * pose.rotation.conjugate()),
+      seen_from.world_from_camera.translation - pose.translation;
+  innovation.H.add(Index::kRotation, Matrix6d::Identity().leftCols<3>());
+  innovation.H.add(Index::kPosition, Matrix6d::Identity().rightCols<3>());
+  innovation.noise = seen_from.information.inverse();
+  return correct(innovation);
+}
+
 void FusionFilter::begin_step() {
-  remember([](FusionFilter& filter) { filter.begin_step(); });
+  start_.remember([](FusionFilter& filter) { filter.begin_step(); });
   state_.step_start = state_.world_from_camera.translation;
   gyro_s_ = 0;
+  step_transition_.setIdentity();
   clone(Index::kPosition, 3, Index::kStepStart);
 }
 
@@ -211,6 +223,11 @@ Eigen::Matrix3d FusionFilter::velocity_covariance() const {
 
 double FusionFilter::scale_sigma() const {
   return std::sqrt(std::max(0.0, P_(Index::kScale, Index::kScale)));
+}
+
+double FusionFilter::inverse_depth_sigma(std::size_t i) const {
+  const int depth = Index::landmark(i) + 2;
+  return std::sqrt(P_(depth, depth));
 }
 
 }  // namespace stillkite

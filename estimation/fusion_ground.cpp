@@ -30,40 +30,58 @@ Eigen::RowVector2d up_by_tilt(const Eigen::Vector3d& way) {
   return {-way.y(), way.x()};
 }
 
-}  // namespace
-
-// Of a place over the ground, map units: that of the start, as far as it is known, and the way up.
-double FusionFilter::height(const Eigen::Vector3d& position) const {
-  return start_in_world_.z() * std::exp(-(state_.log_scale + state_.log_height)) +
-         up(state_).dot(position - start_in_world_);
-}
-
 // Map units.
-double FusionFilter::height_below_anchor(const Landmark& landmark) const {
-  const Eigen::Vector3d beside = state_.world_from_anchor.rotation * landmark.bearing.homogeneous();
-  return -up(state_).dot(beside) / landmark.inverse_depth;
+double height_below_anchor(const FusionState& state, const Landmark& landmark) {
+  const Eigen::Vector3d beside = state.world_from_anchor.rotation * landmark.bearing.homogeneous();
+  return -up(state).dot(beside) / landmark.inverse_depth;
 }
+
+// d(-up . b / inverse_depth), times a factor, with b = R_a (bearing, 1).
+SparseRows<1> height_row(const FusionState& state, const Landmark& landmark, int column,
+                         double factor) {
+  const Eigen::Vector3d u = up(state);
+  const Eigen::Matrix3d R = state.world_from_anchor.rotation.toRotationMatrix();
+  const double depth = 1 / landmark.inverse_depth;
+  const Eigen::Vector3d to_landmark = depth * (R * landmark.bearing.homogeneous());
+  SparseRows<1> row;
+  row.add(Index::kTilt, -factor * up_by_tilt(to_landmark));
+  row.add(Index::kAnchorRotation, factor * u.transpose() * skew(to_landmark));
+  row.add(column, factor * depth *
+                      Eigen::RowVector3d(-u.dot(R.col(0)), -u.dot(R.col(1)), u.dot(to_landmark)));
+  return row;
+}
+
+// Below the anchor by its height, map units.
+struct LowLandmark {
+  std::size_t landmark = 0;
+  double height = 0;
+  double sigma_ratio = 0;  // against the one that is known best, as a share
+  [[nodiscard]] bool is_known() const { return sigma_ratio <= 0.05; }
+};
 
 // In a height what all landmarks share, as the way that all depths were learnt by, is of no
 // matter to whether they lie on one level: each is compared with the one that is known best.
-std::vector<FusionFilter::LowLandmark> FusionFilter::landmarks_below() const {
+std::vector<LowLandmark> landmarks_below(const FusionState& state,
+                                         const std::vector<Landmark>& landmarks,
+                                         const Eigen::MatrixXd& P) {
   constexpr double kSteepness = 0.1;
   std::vector<LowLandmark> below;
   std::vector<SparseRows<1>> rows;
   std::vector<double> variances;
-  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    const Landmark& landmark = landmarks_[i];
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
     if (!(landmark.inverse_depth > 0)) continue;
-    const double height = height_below_anchor(landmark);
+    const double height = height_below_anchor(state, landmark);
     if (height * landmark.inverse_depth < kSteepness) continue;
     below.push_back({.landmark = i, .height = height});
-    rows.push_back(height_row(landmark, column_of(i), 1 / height));
-    variances.push_back(rows.back().covariance(P_)(0, 0));
+    rows.push_back(height_row(state, landmark, Index::landmark(i), 1 / height));
+    variances.push_back(rows.back().covariance(P)(0, 0));
   }
   if (below.empty()) return below;
   const auto best = static_cast<std::size_t>(std::min_element(variances.begin(), variances.end()) -
                                              variances.begin());
-  const Eigen::VectorXd with_best = rows[best].times_transposed(P_, size());
+  const Eigen::VectorXd with_best =
+      rows[best].times_transposed(P, Index::landmark(landmarks.size()));
   for (std::size_t k = 0; k < below.size(); ++k) {
     const double difference = variances[k] + variances[best] - 2 * rows[k].times(with_best)(0, 0);
     below[k].sigma_ratio = std::sqrt(std::max(0.0, difference));
@@ -73,7 +91,7 @@ std::vector<FusionFilter::LowLandmark> FusionFilter::landmarks_below() const {
 
 // The lowest on which several lie whose heights are known, unless others lie below it for certain:
 // then it is a table, and the floor's are not yet known.
-std::optional<double> FusionFilter::ground_level(const std::vector<LowLandmark>& below) {
+std::optional<double> ground_level(const std::vector<LowLandmark>& below) {
   constexpr double kSigmas = 2;
   constexpr int kStray = 1;
   std::vector<double> known;
@@ -90,53 +108,45 @@ std::optional<double> FusionFilter::ground_level(const std::vector<LowLandmark>&
 
 // Of landmarks that are off, those that look lowest are chosen for the first ground: what they are
 // off by is not independent, and as much the height over it is not known.
-void FusionFilter::doubt_level(const std::vector<LowLandmark>& on_level) {
-  if (std::any_of(landmarks_.begin(), landmarks_.end(),
-                  [](const Landmark& l) { return l.is_on_ground; })) {
-    return;
-  }
+double doubt_of_level(const std::vector<LowLandmark>& on_level) {
   double variance = 0;
   for (const LowLandmark& low : on_level) {
     variance += square(low.sigma_ratio) / static_cast<double>(on_level.size());
   }
-  P_(Index::kHeight, Index::kHeight) += variance;
+  return variance;
+}
+
+}  // namespace
+
+// Of a place over the ground, map units: that of the start, as far as it is known, and the way up.
+double FusionFilter::height(const Eigen::Vector3d& position) const {
+  return start_in_world_.z() * std::exp(-(state_.log_scale + state_.log_height)) +
+         up(state_).dot(position - start_in_world_);
 }
 
 int FusionFilter::update_ground(bool is_flat) {
   // 1. Landmarks below the camera; where it is flat they are all on the ground, else those of the
   //    lowest level.
-  std::vector<LowLandmark> ground = landmarks_below();
+  std::vector<LowLandmark> ground = landmarks_below(state_, landmarks_, P_);
   if (!is_flat) {
     const std::optional<double> level = ground_level(ground);
     if (!level) return 0;
     std::erase_if(ground, [&](const LowLandmark& low) {
       return !low.is_known() || !is_on_level(low.height, *level);
     });
-    doubt_level(ground);
+    const bool is_first = std::none_of(landmarks_.begin(), landmarks_.end(),
+                                       [](const Landmark& l) { return l.is_on_ground; });
+    if (is_first) P_(Index::kHeight, Index::kHeight) += doubt_of_level(ground);
   }
   // 2. So high the anchor is, by what is known of the start and the way since.
   int count = 0;
   for (const LowLandmark& low : ground) {
     Landmark& landmark = landmarks_[low.landmark];
     if (landmark.is_on_ground) continue;
-    landmark.is_on_ground = correct(ground_innovation(landmark, column_of(low.landmark)));
+    landmark.is_on_ground = correct(ground_innovation(landmark, Index::landmark(low.landmark)));
     if (landmark.is_on_ground) ++count;
   }
   return count;
-}
-
-// d(-up . b / inverse_depth), times a factor, with b = R_a (bearing, 1).
-SparseRows<1> FusionFilter::height_row(const Landmark& landmark, int column, double factor) const {
-  const Eigen::Vector3d u = up(state_);
-  const Eigen::Matrix3d R = state_.world_from_anchor.rotation.toRotationMatrix();
-  const double depth = 1 / landmark.inverse_depth;
-  const Eigen::Vector3d to_landmark = depth * (R * landmark.bearing.homogeneous());
-  SparseRows<1> row;
-  row.add(Index::kTilt, -factor * up_by_tilt(to_landmark));
-  row.add(Index::kAnchorRotation, factor * u.transpose() * skew(to_landmark));
-  row.add(column, factor * depth *
-                      Eigen::RowVector3d(-u.dot(R.col(0)), -u.dot(R.col(1)), u.dot(to_landmark)));
-  return row;
 }
 
 // The anchor's height is that of the way down to the landmark: with b = R_a (bearing, 1), in map
@@ -147,9 +157,10 @@ Innovation<1> FusionFilter::ground_innovation(const Landmark& landmark, int colu
   const Eigen::Vector3d u = up(state_);
   const Eigen::Vector3d way = state_.world_from_anchor.translation - start_in_world_;
   const double known = start_in_world_.z() * std::exp(-(state_.log_scale + state_.log_height));
-  Innovation<1> innovation{.residual = Row(known + u.dot(way) - height_below_anchor(landmark)),
-                           .H = height_row(landmark, column, 1),
-                           .noise = Row(square(config_.ground_sigma_ratio * known))};
+  Innovation<1> innovation{
+      .residual = Row(known + u.dot(way) - height_below_anchor(state_, landmark)),
+      .H = height_row(state_, landmark, column, 1),
+      .noise = Row(square(config_.ground_sigma_ratio * known))};
   innovation.H.add(Index::kScale, Eigen::RowVector2d(known, known));
   innovation.H.add(Index::kTilt, -up_by_tilt(way));
   innovation.H.add(Index::kAnchorPosition, -u.transpose());
@@ -159,7 +170,7 @@ Innovation<1> FusionFilter::ground_innovation(const Landmark& landmark, int colu
 // Of its logarithm, in which a wrong unit, however wrong, is one sum. In metres
 //   h = h0 exp(-log_height) + exp(log_scale) up . (p - p_0)
 bool FusionFilter::update_height(double height_m, double sigma_m) {
-  remember([=](FusionFilter& filter) { filter.update_height(height_m, sigma_m); });
+  start_.remember([=](FusionFilter& filter) { filter.update_height(height_m, sigma_m); });
   using Row = Eigen::Matrix<double, 1, 1>;
   const Eigen::Vector3d u = up(state_);
   const Eigen::Vector3d way = state_.world_from_camera.translation - start_in_world_;

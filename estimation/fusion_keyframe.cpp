@@ -9,19 +9,18 @@ namespace {
 using Index = FusionIndex;
 constexpr double kVaguestTilt_rad = 0.3;
 
-}  // namespace
-
-void FusionFilter::take_keyframe() {
-  remember([](FusionFilter& filter) { filter.take_keyframe(); });
-  state_.world_from_keyframe = state_.world_from_camera;
-  clone(Index::kRotation, 6, Index::kKeyframeRotation);
-}
+// Of the ground's normal from that of a keyframe's view, about its tilt axes.
+struct KeyframeTilt {
+  Eigen::Vector2d tilt_rad;
+  Eigen::Matrix<double, 2, 3> by_keyframe_rotation;
+  Eigen::Matrix2d by_tilt;
+};
 
 // The ground's normal n = -R_k^T up, by a turn of that of the view about the tilt axes A:
 //   tilt = A^T (n_view x n),   d tilt = -A^T R_k^T (e_k - delta), level parts alone
-FusionFilter::KeyframeTilt FusionFilter::keyframe_tilt(const KeyframeView& view) const {
-  const Eigen::Matrix3d R_t = state_.world_from_keyframe.rotation.conjugate().toRotationMatrix();
-  const Eigen::Vector3d normal = -R_t * up(state_).normalized();
+KeyframeTilt keyframe_tilt(const FusionState& state, const KeyframeView& view) {
+  const Eigen::Matrix3d R_t = state.world_from_keyframe.rotation.conjugate().toRotationMatrix();
+  const Eigen::Vector3d normal = -R_t * up(state).normalized();
   const Eigen::Matrix<double, 2, 2> level = view.tilt_axes.transpose() * R_t.leftCols<2>();
   KeyframeTilt out{.tilt_rad = view.tilt_axes.transpose() * view.motion.normal.cross(normal),
                    .by_keyframe_rotation = Eigen::Matrix<double, 2, 3>::Zero(),
@@ -30,18 +29,27 @@ FusionFilter::KeyframeTilt FusionFilter::keyframe_tilt(const KeyframeView& view)
   return out;
 }
 
+}  // namespace
+
+void FusionFilter::take_keyframe() {
+  start_.remember([](FusionFilter& filter) { filter.take_keyframe(); });
+  state_.world_from_keyframe = state_.world_from_camera;
+  clone(Index::kRotation, 6, Index::kKeyframeRotation);
+}
+
 // From the keyframe (R_k, p_k) at the height h_k, to the camera (R, p):
 //   Q = R^T R_k,   t = R^T (p_k - p) / h_k
 // as the windows have it for the normal that the filter has.
 bool FusionFilter::update_keyframe_view(const KeyframeView& view, double correlated_frames) {
-  remember([=](FusionFilter& filter) { filter.update_keyframe_view(view, correlated_frames); });
+  start_.remember(
+      [=](FusionFilter& filter) { filter.update_keyframe_view(view, correlated_frames); });
   const RigidTransform& keyframe = state_.world_from_keyframe;
   const RigidTransform& camera = state_.world_from_camera;
   const Eigen::Vector3d u = up(state_);
   const double known = start_in_world_.z() * std::exp(-(state_.log_scale + state_.log_height));
   const double h = height(keyframe.translation);
   if (!(h > 0)) return false;
-  const KeyframeTilt tilt = keyframe_tilt(view);
+  const KeyframeTilt tilt = keyframe_tilt(state_, view);
   PlaneMotionStep to_normal;
   to_normal << view.windows.motion_by_tilt * tilt.tilt_rad, tilt.tilt_rad;
   const PlaneMotion seen = apply(view.motion, to_normal, view.tilt_axes);
@@ -89,7 +97,7 @@ void FusionFilter::update_keyframe_tilt(const KeyframeView& view, double correla
     const double information = W.eigenvalues()[k];
     const double variance = correlated_frames / information;
     if (!(information > 0 && variance < square(kVaguestTilt_rad))) continue;
-    const KeyframeTilt tilt = keyframe_tilt(view);
+    const KeyframeTilt tilt = keyframe_tilt(state_, view);
     const Eigen::RowVector2d along = W.eigenvectors().col(k).transpose();
     Innovation<1> innovation{
         .residual = Row(along * (view.windows.tilt_information_rad / information - tilt.tilt_rad)),

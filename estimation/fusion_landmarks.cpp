@@ -1,10 +1,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <memory>
 
 #include "estimation/dense_update.hpp"
 #include "estimation/fusion_filter.hpp"
+#include "estimation/landmark_depth.hpp"
 #include "estimation/landmark_model.hpp"
 
 namespace stillkite {
@@ -15,43 +16,20 @@ constexpr int kMostRefusals = 5;
 
 }  // namespace
 
-// The ground, where the line of sight meets it within a dozen heights; else as far as that.
-double FusionFilter::guessed_inverse_depth(const Eigen::Vector2d& bearing) const {
-  constexpr double kSteepness = 0.3;
-  const RigidTransform& anchor = state_.world_from_anchor;
-  const double down = -up(state_).dot(anchor.rotation * bearing.homogeneous());
-  return std::max(down, kSteepness) / std::max(height(anchor.translation), 1e-3);
-}
-
-// By the lines of sight b of the camera and m of the anchor, b x (R_ca m + rho t) = 0, where they
-// would have turned enough against each other, were it as near as is guessed, to tell how near it
-// is.
-std::optional<double> FusionFilter::triangulated_inverse_depth(const FeatureView& reference,
-                                                               const Eigen::Vector2d& seen,
-                                                               double guess) const {
-  constexpr double kParallax_rad = 0.03;
-  const RigidTransform camera_from_anchor =
-      state_.world_from_camera.inverse() * state_.world_from_anchor;
-  const Eigen::Vector3d b = seen.homogeneous().normalized();
-  const Eigen::Vector3d m = camera_from_anchor.rotation * reference.bearing.homogeneous();
-  const Eigen::Vector3d across = b.cross(camera_from_anchor.translation);
-  if (guess * across.norm() < kParallax_rad * m.norm()) return std::nullopt;
-  return -b.cross(m).dot(across) / across.squaredNorm();
-}
-
 // A depth that a view tells is known as well as that view will say. One that is guessed is wrong as
 // others are: of a first map that is its scale, but later ones must not tell what lengths are.
 void FusionFilter::add_landmark(const FeatureView& reference,
                                 const std::optional<Eigen::Vector2d>& seen) {
   constexpr double kUntold_ratio = 3;
-  remember([=](FusionFilter& filter) { filter.add_landmark(reference, seen); });
+  start_.remember([=](FusionFilter& filter) { filter.add_landmark(reference, seen); });
   if (static_cast<int>(landmarks_.size()) >= most_landmarks()) return;
   if (landmark_of(reference.feature)) return;
   const int column = size();
   const int depth = column + 2;
-  const double guess = guessed_inverse_depth(reference.bearing);
+  const double guess = guessed_inverse_depth(state_, reference.bearing,
+                                             height(state_.world_from_anchor.translation));
   std::optional<double> told;
-  if (seen) told = triangulated_inverse_depth(reference, *seen, guess);
+  if (seen) told = triangulated_inverse_depth(state_, reference.bearing, *seen, guess);
   if (!told && !needs_guesses()) return;
   P_.block(column, 0, 3, column + 3).setZero();
   P_.block(0, column, column, 3).setZero();
@@ -63,7 +41,7 @@ void FusionFilter::add_landmark(const FeatureView& reference,
     P_(depth, depth) += square(sigma);
     for (std::size_t i = 0; i < landmarks_.size(); ++i) {
       if (!landmarks_[i].is_guess) continue;
-      const int other = column_of(i) + 2;
+      const int other = Index::landmark(i) + 2;
       P_(other, depth) = P_(depth, other) =
           sigma * config_.inverse_depth_sigma_ratio * landmarks_[i].inverse_depth;
     }
@@ -98,31 +76,14 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   const bool is_corrected = !views.empty() && correct_jointly(views);
   if (is_corrected) {
     blame_strays(views);
-    close_frame(seen, views);
+    start_.close_frame(seen, features_of(views));
   }
   drop_refused();
-  if (is_corrected) relinearize_start();
+  if (is_corrected) {
+    if (const std::unique_ptr<FusionFilter> again = start_.go_on(landmarks_)) adopt(*again);
+  }
   settle_unit();
   return is_corrected ? static_cast<int>(views.size()) : 0;
-}
-
-FusionFilter::ViewErrors FusionFilter::view_errors(const std::vector<LandmarkView>& views) const {
-  constexpr double kMedian = 0.693;  // of chi-square with two degrees of freedom, for each
-  constexpr double kLeast = 0.02;
-  ViewErrors errors;
-  errors.squared.reserve(views.size());
-  for (const LandmarkView& view : views) {
-    const auto left = landmark_innovation(state_, landmarks_[view.landmark], 0, view.bearing,
-                                          view.usual_covariance);
-    errors.squared.push_back(left ? left->residual.dot(left->noise.llt().solve(left->residual)) / 2
-                                  : HUGE_VAL);
-  }
-  if (views.empty()) return errors;
-  std::vector<double> sorted = errors.squared;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  errors.usual = std::max(*middle / kMedian, kLeast);
-  return errors;
 }
 
 // What lies where things at two depths meet moves as no point does, a little: it stays within what
@@ -131,16 +92,23 @@ FusionFilter::ViewErrors FusionFilter::view_errors(const std::vector<LandmarkVie
 // none is refused for less than it is told.
 void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
   constexpr double kMost = 6.25;  // per degree of freedom: beyond it are two of a thousand
-  const ViewErrors errors = view_errors(views);
+  const ViewErrors errors = view_errors(state_, landmarks_, views);
   const double most = kMost * std::max(errors.usual, 1.0);
   for (std::size_t i = 0; i < views.size(); ++i) {
     Landmark& landmark = landmarks_[views[i].landmark];
-    const int depth = column_of(views[i].landmark) + 2;
+    const int depth = Index::landmark(views[i].landmark) + 2;
     const bool is_behind =
         landmark.inverse_depth < 0 && square(landmark.inverse_depth) > 4 * P_(depth, depth);
     landmark.stray.add(errors.squared[i] / errors.usual);
     landmark.refused = errors.squared[i] > most || is_behind ? landmark.refused + 1 : 0;
   }
+}
+
+std::vector<int> FusionFilter::features_of(const std::vector<LandmarkView>& views) const {
+  std::vector<int> features;
+  features.reserve(views.size());
+  for (const LandmarkView& view : views) features.push_back(landmarks_[view.landmark].feature);
+  return features;
 }
 
 // Since the anchor, map units, world axes.
@@ -183,7 +151,7 @@ void FusionFilter::age_windows(std::span<const FeatureView> seen) {
     const double kept = std::exp(-(in_depths - landmark.way).norm() / config_.window_error_way);
     landmark.way = in_depths;
     landmark.bearing = landmark.reference + kept * (landmark.bearing - landmark.reference);
-    const int column = column_of(*i);
+    const int column = Index::landmark(*i);
     P_.block(column, 0, 2, n) *= kept;
     P_.block(0, column, n, 2) *= kept;
     P_.block<2, 2>(column, column) += (1 - square(kept)) * square(config_.window_error_ratio) *
@@ -193,8 +161,7 @@ void FusionFilter::age_windows(std::span<const FeatureView> seen) {
 
 // What way and depth are not known to moves a view by their product, of which the linear update
 // knows nothing; it is no noise of a frame but as lasting as they are.
-std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
-    std::span<const FeatureView> seen) const {
+std::vector<LandmarkView> FusionFilter::landmark_views(std::span<const FeatureView> seen) const {
   const Eigen::Matrix3d lasting_way = config_.depth_correlated_frames * way_covariance();
   std::vector<LandmarkView> views;
   views.reserve(landmarks_.size());
@@ -202,7 +169,7 @@ std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
     const std::optional<std::size_t> i = landmark_of(view.feature);
     if (!i) continue;
     const Landmark& landmark = landmarks_[*i];
-    const int depth = column_of(*i) + 2;
+    const int depth = Index::landmark(*i) + 2;
     const Eigen::Matrix2d usual = window_growth(landmark) * view.covariance;
     const Eigen::Matrix2d product =
         product_covariance(state_, landmark, lasting_way, P_(depth, depth));
@@ -215,8 +182,9 @@ std::vector<FusionFilter::LandmarkView> FusionFilter::landmark_views(
 }
 
 bool FusionFilter::is_within_gate(const LandmarkView& view) const {
-  const auto innovation = landmark_innovation(
-      state_, landmarks_[view.landmark], column_of(view.landmark), view.bearing, view.covariance);
+  const auto innovation =
+      landmark_innovation(state_, landmarks_[view.landmark], Index::landmark(view.landmark),
+                          view.bearing, view.covariance);
   if (!innovation) return false;
   const Eigen::Matrix2d S = innovation->H.covariance(P_) + innovation->noise;
   return innovation->residual.dot(S.llt().solve(innovation->residual)) <=
@@ -259,105 +227,17 @@ void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
   });
 }
 
-// The view that is furthest from what all others and the prediction say of it, if that is beyond
-// the gate: with x = S^-1 r it is off by e_i = (S^-1)_ii^-1 x_i, of covariance (S^-1)_ii^-1, which
-// is no more than S_ii. What is near enough to a vague prediction may be far from what the others
-// leave open.
-std::optional<std::size_t> FusionFilter::stray_among(const JointCorrection& views) const {
-  double most = 2 * square(config_.gate_sigma);
-  const Eigen::MatrixXd& U = views.S.matrixLLT();
-  const Eigen::VectorXd x = views.S.solve(views.residual);
-  std::optional<std::size_t> stray;
-  for (Eigen::Index row = 0; row < x.size(); row += 2) {
-    const Eigen::Vector2d own = x.segment<2>(row);
-    const Eigen::Vector2d by_own = U.block<2, 2>(row, row).triangularView<Eigen::Upper>() * own;
-    if ((U.block(0, row, row, 2) * own).squaredNorm() + by_own.squaredNorm() <= most) continue;
-    const Eigen::Index left = x.size() - row;
-    Eigen::MatrixX2d column = Eigen::MatrixX2d::Identity(left, 2);
-    U.bottomRightCorner(left, left).triangularView<Eigen::Upper>().transpose().solveInPlace(column);
-    const Eigen::Matrix2d of_inverse = column.transpose() * column;
-    const double off = own.dot(of_inverse.llt().solve(own));
-    if (off <= most) continue;
-    most = off;
-    stray = static_cast<std::size_t>(row / 2);
-  }
-  return stray;
-}
-
-// Of the prediction, by all views; linearised about the state at hand, which is `offset` from it.
-std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
-    const std::vector<LandmarkView>& views, const Eigen::VectorXd& offset) const {
-  const int n = size();
-  const auto rows = 2 * static_cast<Eigen::Index>(views.size());
-  Eigen::MatrixXd PHt(n, rows);
-  Eigen::MatrixXd S(rows, rows);
-  Eigen::VectorXd residual(rows);
-  std::vector<Innovation<2>> innovations;
-  innovations.reserve(views.size());
-  for (const LandmarkView& view : views) {
-    const auto row = 2 * static_cast<Eigen::Index>(innovations.size());
-    const auto innovation = landmark_innovation(
-        state_, landmarks_[view.landmark], column_of(view.landmark), view.bearing, view.covariance);
-    if (!innovation) return std::nullopt;
-    PHt.middleCols<2>(row) = innovation->H.times_transposed(P_, n);
-    residual.segment<2>(row) = innovation->residual + innovation->H.times(offset);
-    innovations.push_back(*innovation);
-  }
-  Eigen::MatrixXd A_t = PHt.transpose();
-  for (std::size_t i = 0; i < innovations.size(); ++i) {
-    const auto row = 2 * static_cast<Eigen::Index>(i);
-    S.block(0, row, row + 2, 2) = innovations[i].H.times_transposed(A_t, static_cast<int>(row) + 2);
-    S.block<2, 2>(row, row) += innovations[i].noise;
-  }
-  Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(S);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  const Eigen::VectorXd whitened = factor.matrixL().solve(residual);
-  JointCorrection out{.error = {},
-                      .A_t = std::move(A_t),
-                      .S = {},
-                      .residual = std::move(residual),
-                      .squared = whitened.squaredNorm()};
-  solve_transposed(factor.matrixLLT(), out.A_t);
-  out.S = std::move(factor);
-  out.error = out.A_t.transpose() * whitened;
-  if (!out.error.allFinite()) return std::nullopt;
-  return out;
-}
-
-// Together, so that no order matters. About the rotation that the views themselves tell, as without
-// a gyroscope the predicted one is a guess (Bell, Cathey 1993); but about the predicted way and
-// depths: of their product, where both are vague, a step of Gauss-Newton believes too much.
-std::optional<FusionFilter::JointCorrection> FusionFilter::joint_correction(
-    const std::vector<LandmarkView>& views) {
-  constexpr int kMostSteps = 4;
-  constexpr double kSettled_rad = 1e-3;
-  const Eigen::Quaterniond predicted = state_.world_from_camera.rotation;
-  std::optional<JointCorrection> correction;
-  Eigen::VectorXd offset = Eigen::VectorXd::Zero(size());
-  Eigen::Ref<Eigen::Vector3d> turn = offset.segment<3>(Index::kRotation);
-  for (int step = 0; step < kMostSteps; ++step) {
-    state_.world_from_camera.rotation = so3_exp(turn) * predicted;
-    correction = joint_correction(views, offset);
-    if (!correction) break;
-    const Eigen::Vector3d next = correction->error.segment<3>(Index::kRotation);
-    if ((next - turn).norm() < kSettled_rad) break;
-    turn = next;
-  }
-  state_.world_from_camera.rotation = predicted;
-  return correction;
-}
-
 // Without those that contradict the rest, one by one; where half would have to go none is believed.
 bool FusionFilter::correct_jointly(std::vector<LandmarkView>& views) {
   const std::size_t fewest = views.size() / 2;
-  std::optional<JointCorrection> correction = joint_correction(views);
+  std::optional<JointCorrection> correction = joint_correction(state_, landmarks_, P_, views);
   while (correction) {
-    const std::optional<std::size_t> stray = stray_among(*correction);
+    const std::optional<std::size_t> stray = stray_among(*correction, config_.gate_sigma);
     if (!stray) break;
     ++landmarks_[views[*stray].landmark].refused;
     views.erase(views.begin() + static_cast<std::ptrdiff_t>(*stray));
     if (views.size() <= fewest) return false;
-    correction = joint_correction(views);
+    correction = joint_correction(state_, landmarks_, P_, views);
   }
   if (!correction) return false;
   subtract_gram(correction->A_t, P_);

@@ -68,7 +68,7 @@ FusionState moved(const FusionState& state, const InertialStep& step) {
 }  // namespace
 
 void FusionFilter::predict(const InertialStep& step) {
-  remember([=](FusionFilter& filter) { filter.predict(step); });
+  start_.remember([=](FusionFilter& filter) { filter.predict(step); });
   const double dt_s = step.dt_s;
   const bool has_gyro = step.angular_rate_rad_s && step.is_gyro;
   const bool has_accel = step.specific_force_m_s2.has_value();
@@ -109,7 +109,7 @@ void FusionFilter::predict(const InertialStep& step) {
 
 void FusionFilter::propagate(const Transition& F, const Matrix9d& noise, double dt_s) {
   const int n = size();
-  since_frame_.topRows<9>() = (F * since_frame_).eval();
+  step_transition_.topRows<9>() = (F * step_transition_).eval();
   const Eigen::MatrixXd rows = F * P_.topLeftCorner(Index::kAnchorRotation, n);
   P_.topLeftCorner(9, n) = rows;
   P_.topLeftCorner(n, 9) = rows.transpose();

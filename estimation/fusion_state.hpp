@@ -25,6 +25,14 @@ struct FusionState {
   Eigen::Vector3d step_start;          ///< where the camera was at the frame before, map units
 };
 
+/// What is known of the first frame.
+struct FusionStart {
+  RigidTransform world_from_camera;  ///< z is the height over the ground
+  double velocity_sigma = 0;         ///< units/s
+  /// Of the logarithm of that pose's unit in metres. 0: it is metres.
+  double log_unit_sigma = 0;
+};
+
 /// The world's true vertical: exp(tilt) z, to first order.
 [[nodiscard]] inline Eigen::Vector3d up(const FusionState& state) {
   return {state.gravity_tilt_rad.y(), -state.gravity_tilt_rad.x(), 1};
@@ -76,6 +84,8 @@ struct FusionIndex {
   static constexpr int kKeyframePosition = 28;
   static constexpr int kStepStart = 31;
   static constexpr int kLandmarks = 34;
+  /// Of the i-th landmark's.
+  [[nodiscard]] static int landmark(std::size_t i) { return kLandmarks + 3 * static_cast<int>(i); }
 };
 
 }  // namespace stillkite

@@ -17,40 +17,43 @@ Eigen::VectorXd weights_of_common(Eigen::MatrixXd covariance) {
   return weights / weights.sum();
 }
 
-}  // namespace
-
 // d(logarithm of the unit) / d(error).
-std::optional<Eigen::VectorXd> FusionFilter::unit_of_depths() const {
+std::optional<Eigen::VectorXd> unit_of_depths(const std::vector<Landmark>& landmarks,
+                                              const Eigen::MatrixXd& P) {
   constexpr double kKnown = 0.25;  // a depth to that share
   constexpr std::size_t kFewest = 5;
   std::vector<std::size_t> known;
-  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    const int column = column_of(i) + 2;
-    const double inverse_depth = landmarks_[i].inverse_depth;
-    const bool is_known = P_(column, column) < square(kKnown * inverse_depth);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const int column = Index::landmark(i) + 2;
+    const double inverse_depth = landmarks[i].inverse_depth;
+    const bool is_known = P(column, column) < square(kKnown * inverse_depth);
     if (inverse_depth > 0 && is_known) known.push_back(i);
   }
   if (known.size() < kFewest) return std::nullopt;
-  const auto depth = [this](std::size_t i) { return 1 / landmarks_[i].inverse_depth; };
+  const auto depth = [&](std::size_t i) { return 1 / landmarks[i].inverse_depth; };
   Eigen::MatrixXd covariance(known.size(), known.size());
   for (Eigen::Index row = 0; row < covariance.rows(); ++row) {
     for (Eigen::Index col = 0; col < covariance.cols(); ++col) {
       const std::size_t i = known[static_cast<std::size_t>(row)];
       const std::size_t j = known[static_cast<std::size_t>(col)];
-      covariance(row, col) = depth(i) * P_(column_of(i) + 2, column_of(j) + 2) * depth(j);
+      covariance(row, col) =
+          depth(i) * P(Index::landmark(i) + 2, Index::landmark(j) + 2) * depth(j);
     }
   }
   const Eigen::VectorXd weights = weights_of_common(std::move(covariance));
   if (!weights.allFinite()) return std::nullopt;
-  Eigen::VectorXd by_error = Eigen::VectorXd::Zero(size());
+  Eigen::VectorXd by_error = Eigen::VectorXd::Zero(Index::landmark(landmarks.size()));
   for (std::size_t k = 0; k < known.size(); ++k) {
-    by_error(column_of(known[k]) + 2) = weights(static_cast<Eigen::Index>(k)) * depth(known[k]);
+    by_error(Index::landmark(known[k]) + 2) =
+        weights(static_cast<Eigen::Index>(k)) * depth(known[k]);
   }
   return by_error;
 }
 
+}  // namespace
+
 void FusionFilter::settle_unit() {
-  const std::optional<Eigen::VectorXd> unit = unit_of_depths();
+  const std::optional<Eigen::VectorXd> unit = unit_of_depths(landmarks_, P_);
   if (!unit) return;
   // lengths grow with the logarithm of their number of units
   const int n = size();
@@ -64,7 +67,7 @@ void FusionFilter::settle_unit() {
       state_.world_from_keyframe.translation - start_in_world_;
   by_unit.segment<3>(Index::kStepStart) = state_.step_start - start_in_world_;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    by_unit(column_of(i) + 2) = -landmarks_[i].inverse_depth;
+    by_unit(Index::landmark(i) + 2) = -landmarks_[i].inverse_depth;
   }
   auto P = P_.topLeftCorner(n, n);
   const Eigen::VectorXd shared = P * *unit;
