@@ -158,7 +158,8 @@ class FusionFilter {
   [[nodiscard]] std::vector<int> features_of(const std::vector<LandmarkView>& views) const;
   // 4. Ground and start.
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
-  [[nodiscard]] Innovation<1> ground_innovation(const Landmark& landmark, int column) const;
+  [[nodiscard]] std::optional<Innovation<1>> ground_innovation(const Landmark& landmark,
+                                                               int column) const;
   void update_keyframe_tilt(const KeyframeView& view, double correlated_frames);
   void adopt(const FusionFilter& again);
 

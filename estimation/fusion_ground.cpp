@@ -143,7 +143,8 @@ int FusionFilter::update_ground(bool is_flat) {
   for (const LowLandmark& low : ground) {
     Landmark& landmark = landmarks_[low.landmark];
     if (landmark.is_on_ground) continue;
-    landmark.is_on_ground = correct(ground_innovation(landmark, Index::landmark(low.landmark)));
+    const auto innovation = ground_innovation(landmark, Index::landmark(low.landmark));
+    landmark.is_on_ground = innovation && correct(*innovation);
     if (landmark.is_on_ground) ++count;
   }
   return count;
@@ -151,19 +152,24 @@ int FusionFilter::update_ground(bool is_flat) {
 
 // The anchor's height is that of the way down to the landmark: with b = R_a (bearing, 1), in map
 // units and in shares of the known height h0,
-//   h0 exp(-log_height - log_scale) + up . (p_a - p_0) + up . b / inverse_depth = 0
-Innovation<1> FusionFilter::ground_innovation(const Landmark& landmark, int column) const {
+//   ln(h0 exp(-log_height - log_scale) + up . (p_a - p_0)) = ln(-up . b / inverse_depth)
+// Of logarithms, in which a wrong unit, however wrong, is one sum: else the first landmark, where
+// the scale is still wrong by half, would settle it beside where all others have it.
+std::optional<Innovation<1>> FusionFilter::ground_innovation(const Landmark& landmark,
+                                                             int column) const {
   using Row = Eigen::Matrix<double, 1, 1>;
   const Eigen::Vector3d u = up(state_);
   const Eigen::Vector3d way = state_.world_from_anchor.translation - start_in_world_;
-  const double known = start_in_world_.z() * std::exp(-(state_.log_scale + state_.log_height));
-  Innovation<1> innovation{
-      .residual = Row(known + u.dot(way) - height_below_anchor(state_, landmark)),
-      .H = height_row(state_, landmark, column, 1),
-      .noise = Row(square(config_.ground_sigma_ratio * known))};
-  innovation.H.add(Index::kScale, Eigen::RowVector2d(known, known));
-  innovation.H.add(Index::kTilt, -up_by_tilt(way));
-  innovation.H.add(Index::kAnchorPosition, -u.transpose());
+  const double h = height(state_.world_from_anchor.translation);
+  const double below = height_below_anchor(state_, landmark);
+  if (!(h > 0 && below > 0)) return std::nullopt;
+  const double from_start = 1 - u.dot(way) / h;
+  Innovation<1> innovation{.residual = Row(std::log(h / below)),
+                           .H = height_row(state_, landmark, column, 1 / below),
+                           .noise = Row(square(config_.ground_sigma_ratio * from_start))};
+  innovation.H.add(Index::kScale, Eigen::RowVector2d(from_start, from_start));
+  innovation.H.add(Index::kTilt, -up_by_tilt(way) / h);
+  innovation.H.add(Index::kAnchorPosition, -u.transpose() / h);
   return innovation;
 }
 

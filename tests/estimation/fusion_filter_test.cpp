@@ -242,6 +242,16 @@ TEST(FusionFilter, TakesNoTableForTheGround) {
   }
 }
 
+// In a unit that is wrong by two thirds nine heights that are alike are one and the same scale: the
+// first of them must not settle it where the others are not.
+TEST(FusionFilter, TellsAScaleThatIsWrongByFarAtOnce) {
+  for (const double below : {1.5, 3.0, 5.0}) {
+    FusionFilter filter = filter_with(std::vector<LowPoint>(9, {below, 0.001}));
+    EXPECT_EQ(filter.update_ground(false), 9) << below;
+    EXPECT_NEAR(filter.state().log_scale, std::log(3 / below), 0.005) << below;
+  }
+}
+
 // The lowest of nine that are off by 3 % each look lower than the ground is: they do not tell the
 // scale to 1 %, as nine independent ones would.
 TEST(FusionFilter, CountsThatTheLowestWereChosen) {

@@ -155,7 +155,7 @@ TEST(FusionFilter, CovarianceIsHonestWithTheFlow) {
   FusionScene scene;
   scene.has_imu = false;
   scene.has_flow = true;
-  // a depth known to 50 % is too vague to be linear (docs/fusion.md)
+  // a depth known to 50 % is too vague to be linear (docs/fusion_honesty.md)
   scene.inverse_depth_spread = 0.2;
   FusionConfig config = few_landmarks();
   config.inverse_depth_sigma_ratio = scene.inverse_depth_spread;

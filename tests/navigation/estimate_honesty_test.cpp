@@ -166,8 +166,9 @@ NeesBand nees_band(int degrees_of_freedom) {
   return {chi_square_quantile(0.005, dof) / kFlights, chi_square_quantile(0.995, dof) / kFlights};
 }
 
-// The fusion is too careful on purpose (docs/fusion.md): the flow's covariance counts ten times.
-// The reference is not honest, 6.4 and 3.4 where 3 and 2 are right: see `shared_noise`.
+// The fusion is too careful on purpose (docs/fusion_honesty.md): the flow's covariance counts as
+// many times as frames fall into a second. The reference is not honest, 6.4 and 3.4 where 3 and 2
+// are right: see `shared_noise`.
 TEST_P(EstimateHonesty, ErrsAsItsCovarianceSays) {
   const MeanNees mean = mean_nees(GetParam());
   RecordProperty("rotation_nees", std::to_string(mean.rotation));
