@@ -160,6 +160,8 @@ class FusionFilter {
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
   [[nodiscard]] std::optional<Innovation<1>> ground_innovation(const Landmark& landmark,
                                                                int column) const;
+  [[nodiscard]] bool has_outgrown_its_scale() const;
+  void forget_scale();
   void update_keyframe_tilt(const KeyframeView& view, double correlated_frames);
   void adopt(const FusionFilter& again);
 
@@ -169,6 +171,9 @@ class FusionFilter {
   Eigen::Vector3d start_in_world_;  // map units
   Eigen::Vector3d start_m_;
   bool is_height_given_;
+  bool is_height_read_ = false;  // by another sensor, since
+  // once the ground had told it for the first time
+  std::optional<double> told_scale_sigma_;
   bool is_first_map_ = true;  // its lengths are what the scale is of
   std::vector<Landmark> landmarks_;
   std::vector<int> dropped_;

@@ -128,14 +128,16 @@ int FusionFilter::update_ground(bool is_flat) {
   // 1. Landmarks below the camera; where it is flat they are all on the ground, else those of the
   //    lowest level.
   std::vector<LowLandmark> ground = landmarks_below(state_, landmarks_, P_);
+  bool is_first = false;
   if (!is_flat) {
     const std::optional<double> level = ground_level(ground);
     if (!level) return 0;
     std::erase_if(ground, [&](const LowLandmark& low) {
       return !low.is_known() || !is_on_level(low.height, *level);
     });
-    const bool is_first = std::none_of(landmarks_.begin(), landmarks_.end(),
-                                       [](const Landmark& l) { return l.is_on_ground; });
+    if (has_outgrown_its_scale()) forget_scale();
+    is_first = std::none_of(landmarks_.begin(), landmarks_.end(),
+                            [](const Landmark& l) { return l.is_on_ground; });
     if (is_first) P_(Index::kHeight, Index::kHeight) += doubt_of_level(ground);
   }
   // 2. So high the anchor is, by what is known of the start and the way since.
@@ -147,7 +149,28 @@ int FusionFilter::update_ground(bool is_flat) {
     landmark.is_on_ground = innovation && correct(*innovation);
     if (landmark.is_on_ground) ++count;
   }
+  if (is_first && count > 0) told_scale_sigma_ = scale_sigma();
   return count;
+}
+
+// What vague depths told the scale follows them to first order only, and is off by a few percent
+// once they are known much better.
+bool FusionFilter::has_outgrown_its_scale() const {
+  constexpr double kMuchBetter = 0.5;
+  const bool is_told_by_it_alone = is_height_given_ && !is_height_read_;
+  return is_told_by_it_alone && told_scale_sigma_ &&
+         scale_sigma() < kMuchBetter * *told_scale_sigma_;
+}
+
+// As at the start, but for where it is; what lies on the ground may tell it again.
+void FusionFilter::forget_scale() {
+  const int n = size();
+  P_.block<2, Eigen::Dynamic>(Index::kScale, 0, 2, n).setZero();
+  P_.block<Eigen::Dynamic, 2>(0, Index::kScale, n, 2).setZero();
+  P_(Index::kScale, Index::kScale) = square(config_.scale_sigma_ratio);
+  P_(Index::kHeight, Index::kHeight) = square(config_.height_sigma_ratio);
+  state_.log_height = 0;
+  for (Landmark& landmark : landmarks_) landmark.is_on_ground = false;
 }
 
 // The anchor's height is that of the way down to the landmark: with b = R_a (bearing, 1), in map
@@ -191,6 +214,7 @@ bool FusionFilter::update_height(double height_m, double sigma_m) {
   innovation.H.add(Index::kTilt, up_by_tilt(way) / h);
   innovation.H.add(Index::kScale, Eigen::RowVector2d(1 - from_start, -from_start));
   if (!correct(innovation)) return false;
+  is_height_read_ = true;
   if (!is_height_given_) start_m_.z() = start_in_world_.z() * std::exp(-state_.log_height);
   is_height_given_ = true;
   return true;

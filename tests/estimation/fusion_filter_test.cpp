@@ -196,13 +196,14 @@ TEST(FusionFilter, FindsTheScaleByTheGround) {
   EXPECT_LT(flight.filter().scale_sigma(), 0.05);
 }
 
-// Landmarks half as far down as ahead, so far below a camera 3 m up, and known to that share.
+// Landmarks half as far down as ahead, so far below a camera 3 m up, and known to that share, each
+// and all alike.
 struct LowPoint {
   double below_m = 0;
   double sigma_ratio = 0;
 };
 
-FusionFilter filter_with(const std::vector<LowPoint>& points) {
+FusionFilter filter_with(const std::vector<LowPoint>& points, double common_ratio = 0) {
   const Eigen::Matrix3d ahead = (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
   FusionFilter filter({}, {.world_from_camera = {Eigen::Quaterniond(ahead), {0, 0, 3}}});
   filter.take_anchor();
@@ -218,7 +219,13 @@ FusionFilter filter_with(const std::vector<LowPoint>& points) {
     variance.segment<3>(before + 3 * static_cast<Eigen::Index>(i)) << 1e-8, 1e-8,
         square(points[i].sigma_ratio * inverse_depth);
   }
-  map.covariance = variance.asDiagonal();
+  Eigen::VectorXd common = Eigen::VectorXd::Zero(variance.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    common[before + 3 * static_cast<Eigen::Index>(i) + 2] =
+        common_ratio * map.landmarks[i].inverse_depth;
+  }
+  map.covariance = common * common.transpose();
+  map.covariance.diagonal() += variance;
   filter.restore(map);
   return filter;
 }
@@ -250,6 +257,24 @@ TEST(FusionFilter, TellsAScaleThatIsWrongByFarAtOnce) {
     EXPECT_EQ(filter.update_ground(false), 9) << below;
     EXPECT_NEAR(filter.state().log_scale, std::log(3 / below), 0.005) << below;
   }
+}
+
+// Depths that were all off by 10 % when they told the scale, and are known since: they tell it
+// again.
+TEST(FusionFilter, TellsTheScaleAgainOnceDepthsAreKnownMuchBetter) {
+  FusionFilter filter = filter_with(std::vector<LowPoint>(9, {3, 0.001}), 0.1);
+  EXPECT_EQ(filter.update_ground(false), 9);
+  EXPECT_GT(filter.scale_sigma(), 0.08);
+  FusionMap map = filter.map();
+  constexpr Eigen::Index kScale = FusionIndex::kScale - FusionIndex::kTilt;
+  map.covariance.setZero();
+  map.covariance.diagonal().setConstant(1e-10);
+  map.covariance(kScale, kScale) = square(0.03);
+  for (Landmark& landmark : map.landmarks) landmark.inverse_depth /= 1.1;
+  filter.restore(map);
+  EXPECT_EQ(filter.update_ground(false), 9);
+  EXPECT_NEAR(filter.state().log_scale, std::log(1 / 1.1), 0.005);
+  EXPECT_EQ(filter.update_ground(false), 0);
 }
 
 // The lowest of nine that are off by 3 % each look lower than the ground is: they do not tell the
