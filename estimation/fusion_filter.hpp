@@ -171,10 +171,9 @@ class FusionFilter {
   Eigen::Vector3d start_in_world_;  // map units
   Eigen::Vector3d start_m_;
   bool is_height_given_;
-  bool is_height_read_ = false;  // by another sensor, since
-  // once the ground had told it for the first time
-  std::optional<double> told_scale_sigma_;
-  bool is_first_map_ = true;  // its lengths are what the scale is of
+  bool is_height_read_ = false;             // by another sensor, since
+  std::optional<double> told_scale_sigma_;  // just after the ground had told it for the first time
+  bool is_first_map_ = true;                // its lengths are what the scale is of
   std::vector<Landmark> landmarks_;
   std::vector<int> dropped_;
   OwnMatrix step_transition_ = OwnMatrix::Identity();

@@ -154,12 +154,13 @@ int FusionFilter::update_ground(bool is_flat) {
 }
 
 // What vague depths told the scale follows them to first order only, and is off by a few percent
-// once they are known much better.
+// once they are known much better. Where they were not much vaguer than the height at the start,
+// telling it again would tell no more.
 bool FusionFilter::has_outgrown_its_scale() const {
   constexpr double kMuchBetter = 0.5;
-  const bool is_told_by_it_alone = is_height_given_ && !is_height_read_;
-  return is_told_by_it_alone && told_scale_sigma_ &&
-         scale_sigma() < kMuchBetter * *told_scale_sigma_;
+  if (!is_height_given_ || is_height_read_ || !told_scale_sigma_) return false;
+  const double much_better = kMuchBetter * *told_scale_sigma_;
+  return scale_sigma() < much_better && much_better > config_.height_sigma_ratio;
 }
 
 // As at the start, but for where it is; what lies on the ground may tell it again.
