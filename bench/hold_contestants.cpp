@@ -112,6 +112,12 @@ PilotStep WarmPilot::step(const HoverInstant& instant) {
                       readings);
 }
 
+void WarmPilot::settle(const HoverInstant& instant) {
+  ProcessorWatch watch;
+  (void)step(instant);
+  row_.ms["start"].push_back(watch.lap_ms());
+}
+
 void WarmPilot::run(const HoverInstant& instant) {
   ProcessorWatch watch;
   StopWatch wall;

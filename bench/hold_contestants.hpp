@@ -27,7 +27,8 @@ struct HoverInstant {
 /// One way to a command, with what was measured of it.
 struct ContestantRow {
   std::string name;
-  std::map<std::string, std::vector<double>> ms;  ///< a stage, "cycle" the whole of a frame
+  std::map<std::string, std::vector<double>>
+      ms;  ///< a stage; "cycle" the whole of a frame, "start" of one before those
   std::vector<double> rotation_deg, direction_deg, features;
   int answers = 0, frames = 0;
 
@@ -64,7 +65,7 @@ class WarmPilot {
 
   void start(const cv::Mat& reference, double height_m);
   /// Not measured.
-  void settle(const HoverInstant& instant) { (void)step(instant); }
+  void settle(const HoverInstant& instant);
   void run(const HoverInstant& instant);
   [[nodiscard]] const ContestantRow& row() const { return row_; }
 
