@@ -160,7 +160,8 @@ void FusionFilter::age_windows(std::span<const FeatureView> seen) {
 }
 
 // What way and depth are not known to moves a view by their product, of which the linear update
-// knows nothing; it is no noise of a frame but as lasting as they are.
+// knows nothing; it is no noise of a frame but as lasting as they are. Of the depths that a start
+// as a whole has told nothing is left to be linearised wrongly.
 std::vector<LandmarkView> FusionFilter::landmark_views(std::span<const FeatureView> seen) const {
   const Eigen::Matrix3d lasting_way = config_.depth_correlated_frames * way_covariance();
   std::vector<LandmarkView> views;
@@ -171,8 +172,10 @@ std::vector<LandmarkView> FusionFilter::landmark_views(std::span<const FeatureVi
     const Landmark& landmark = landmarks_[*i];
     const int depth = Index::landmark(*i) + 2;
     const Eigen::Matrix2d usual = window_growth(landmark) * view.covariance;
-    const Eigen::Matrix2d product =
-        product_covariance(state_, landmark, lasting_way, P_(depth, depth));
+    Eigen::Matrix2d product = Eigen::Matrix2d::Zero();
+    if (!landmark.is_of_start) {
+      product = product_covariance(state_, landmark, lasting_way, P_(depth, depth));
+    }
     views.push_back({.landmark = *i,
                      .bearing = view.bearing,
                      .covariance = stray_growth(landmark) * usual + product,

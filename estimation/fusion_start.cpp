@@ -76,6 +76,7 @@ void FusionFilter::adopt(const FusionFilter& again) {
       continue;
     }
     landmark.is_guess = found->is_guess;
+    landmark.is_of_start = true;
     landmark.is_spare = found->is_spare;
     landmark.refused = found->refused;
     landmark.unseen = found->unseen;

@@ -17,6 +17,23 @@ constexpr int kWeighings = 3;
 constexpr int kSearched = 32;  // landmarks, and half as many spare ones, tell false starts
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
 
+// Where the way is short for the noise, what it turns the landmarks by may as well be a turn, and
+// the likeliest start is off by more than its covariance tells.
+bool is_told_from_a_turn(const FusionFilter& filter) {
+  constexpr double kMost = 0.05;
+  const FusionState& state = filter.state();
+  const double way =
+      (state.world_from_camera.translation - state.world_from_anchor.translation).norm();
+  std::vector<double> inverse_depths;
+  for (const Landmark& landmark : filter.landmarks()) {
+    inverse_depths.push_back(landmark.inverse_depth);
+  }
+  const auto middle = inverse_depths.begin() + inverse_depths.size() / 2;
+  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
+  const double turn_sigma = std::sqrt(filter.pose_covariance().bottomRightCorner<3, 3>().trace());
+  return turn_sigma < kMost * way * *middle;
+}
+
 }  // namespace
 
 // told the same again, up to a frame
@@ -107,9 +124,9 @@ std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& 
                         [](const Passes& a, const Passes& b) { return a.cost < b.cost; }));
   passes_.clear();
   std::unique_ptr<FusionFilter> told;
-  if (best.is_last) {
+  if (best.is_last && (frames >= kLastFrames || is_told_from_a_turn(best.begun->filter))) {
     told = std::make_unique<FusionFilter>(std::move(best.begun->filter));
-  } else if (best.is_settled) {
+  } else if (best.is_settled && !best.is_last) {
     const bool is_weighed = !best.is_search();
     passes_.push_back(passes_about(best.landmarks, is_weighed ? frames : passes_frames_));
     passes_.back().weighings = kWeighings;

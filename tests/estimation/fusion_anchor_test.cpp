@@ -91,6 +91,7 @@ TEST(FusionFilter, WhatAllDepthsAreWrongByIsTheScales) {
 // Each frame's views leave it so, also where the landmarks come and go.
 TEST(FusionFilter, ViewsLeaveTheUnitSettled) {
   FusionScene scene;
+  scene.pixel_sigma_px = 0.2;
   scene.renew_every_s = 1;
   FusionSimulation flight(scene, few_landmarks(), 6);
   for (int i = 0; i < 50; ++i) flight.step();

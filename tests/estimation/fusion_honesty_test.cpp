@@ -195,7 +195,7 @@ TEST(FusionFilter, KnowsItsWayByThePicturesOfTheStartAsAWhole) {
     again_m2 += flight.pose_error().head<3>().squaredNorm() / kSeeds;
   }
   std::printf("off by %.4f m, gone through once %.4f\n", std::sqrt(again_m2), std::sqrt(once_m2));
-  EXPECT_LT(std::sqrt(again_m2), 0.3 * std::sqrt(once_m2));
+  EXPECT_LT(std::sqrt(again_m2), 0.4 * std::sqrt(once_m2));
   EXPECT_LT(most(nees_by_second(scene, white_noise(), kSeeds)), 10);
 }
 
@@ -238,12 +238,52 @@ TEST(FusionFilter, LeavesAFalseStartOnceMorePicturesTell) {
   }
 }
 
+// Twenty pictures of a slow way may as well show a turn: the likeliest of both is none to be sure of.
+TEST(FusionFilter, DoesNotBelieveAStartThatMayBeATurn) {
+  constexpr int kSeeds = 8;
+  constexpr int kFrames = 45;  // the one of 20 pictures is there, that of 40 is not
+  FusionScene scene = hover_of_unknown_speed();
+  scene.sway_m = 0;
+  scene.turn_rad = 0;
+  scene.drift_m_s2 = 0.05;
+  scene.pixel_sigma_px = 0.7;
+  double mean = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    FusionSimulation flight(scene, white_noise(), static_cast<std::uint64_t>(seed) + 100);
+    for (int i = 0; i < kFrames; ++i) flight.step();
+    mean += nees_of(flight) / kSeeds;
+  }
+  EXPECT_LT(mean, 8);
+}
+
+// What way and depths are not known to is doubted as long as both are vague, not afterwards.
+TEST(FusionFilter, DoubtsNoProductsOfDepthsThatTheStartHasTold) {
+  const FusionScene scene = hover_of_unknown_speed();
+  FusionConfig doubting = white_noise();
+  doubting.depth_correlated_frames *= 100;
+  FusionSimulation flight(scene, white_noise(), 302);
+  FusionSimulation doubtful(scene, doubting, 302);
+  const auto sigma_m = [](const FusionSimulation& f) {
+    return std::sqrt(f.filter().pose_covariance().topLeftCorner<3, 3>().trace());
+  };
+  const auto fly = [&](int frames) {
+    for (int i = 0; i < frames; ++i) {
+      flight.step();
+      doubtful.step();
+    }
+  };
+  fly(25);
+  EXPECT_GT(sigma_m(doubtful), 2 * sigma_m(flight)) << "the case tells nothing";
+  fly(25);
+  EXPECT_LT(sigma_m(doubtful), 1.02 * sigma_m(flight));
+}
+
 // Whatever the filter was told it is told again: where all is linear nothing changes.
 TEST(FusionFilter, ForgetsNothingWhenItGoesThroughItsStartAgain) {
   constexpr double kHeight_sigma_m = 0.05;
   FusionScene scene;
   scene.has_flow = true;
-  scene.sway_m = 0.05;
+  scene.sway_m = 0.1;
   scene.turn_rad = 0.005;
   scene.inverse_depth_spread = 0.02;
   FusionConfig config = few_landmarks();
