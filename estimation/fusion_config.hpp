@@ -99,10 +99,12 @@ struct FusionConfig {
           "the same of a range finder's or barometer's height");
     field("depth_correlated_frames", self.depth_correlated_frames, kNotNegative,
           "frames over which what way and depths are not known to moves the features alike; the "
-          "variance of their product is taken that many times");
+          "variance of their product is taken that many times, until the start has been gone "
+          "through again");
     field("relinearize_start", self.relinearize_start,
-          "what was seen of the first reference is gone through again, twice within its first 40 "
-          "frames, about the depths that it tells as a whole");
+          "what was seen of the first reference is gone through again, once 20 and 40 frames of it "
+          "are there and later where these do not suffice, about the depths that it tells as a "
+          "whole");
     field("scale_correlated_s", self.scale_correlated_s, kNotNegative,
           "time over which what scale and acceleration are not known to moves the camera alike");
     field("acceleration_density", self.acceleration_density, kPositive,

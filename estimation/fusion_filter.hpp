@@ -70,8 +70,9 @@ class FusionFilter {
   void add_landmark(const FeatureView& reference, const std::optional<Eigen::Vector2d>& seen = {});
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
   /// gives how many were not. A landmark that is refused too often in a row goes, and the unit is
-  /// settled. From the 20th and the 40th frame under the first reference on some take several
-  /// times as long: all that was told is gone through again (`FusionConfig::relinearize_start`).
+  /// settled. From the 20th and the 40th frame under the first reference on, and from the 80th and
+  /// 160th where these did not suffice, some take several times as long: all that was told is gone
+  /// through again (`FusionConfig::relinearize_start`).
   int update_landmarks(std::span<const FeatureView> seen);
   /// The same, but linearised about these depths and that pose, or else where the landmarks put the
   /// camera; none is refused. Gives -2 log likelihood of the views, but for a constant; infinite

@@ -1,6 +1,7 @@
 #include "estimation/start_smoother.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -10,17 +11,18 @@
 namespace stillkite {
 namespace {
 
-constexpr std::size_t kFirstFrames = 20;
-constexpr std::size_t kLastFrames = 40;
+constexpr std::array<std::size_t, 4> kStarts{20, 40, 80, 160};  // of so many frames
+constexpr std::size_t kEnoughFrames = 40;  // of which one that is believed is the last
 constexpr int kMostPasses = 21;
 constexpr int kWeighings = 3;
 constexpr int kSearched = 32;  // landmarks, and half as many spare ones, tell false starts
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
 
 // Where the way is short for the noise, what it turns the landmarks by may as well be a turn, and
-// the likeliest start is off by more than its covariance tells.
-bool is_told_from_a_turn(const FusionFilter& filter) {
-  constexpr double kMost = 0.05;
+// the likeliest start is off by more than its covariance tells. To be believed the turn must be
+// known to a share of the angle under which the landmark of median depth sees the way.
+bool is_believed(const FusionFilter& filter, std::size_t frames) {
+  const double most = frames < kEnoughFrames ? 0.05 : 0.12;
   const FusionState& state = filter.state();
   const double way =
       (state.world_from_camera.translation - state.world_from_anchor.translation).norm();
@@ -31,7 +33,7 @@ bool is_told_from_a_turn(const FusionFilter& filter) {
   const auto middle = inverse_depths.begin() + inverse_depths.size() / 2;
   std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
   const double turn_sigma = std::sqrt(filter.pose_covariance().bottomRightCorner<3, 3>().trace());
-  return turn_sigma < kMost * way * *middle;
+  return turn_sigma < most * way * *middle;
 }
 
 }  // namespace
@@ -90,8 +92,8 @@ void StartSmoother::forget() {
 }
 
 // The nearest answer to the guesses is at times a false one, as is that of the filter itself, or of
-// a longer way. What 20 frames tell may be one of these, and 40 from the guesses show it. Passes
-// that have not settled yet go on.
+// a longer way. What 20 frames tell may be one of these, and 40 from the guesses show it, or 80.
+// Passes that have not settled yet go on.
 void StartSmoother::begin(const std::vector<Landmark>& at_hand) {
   passes_frames_ = told_.size() - 1;
   std::vector<Passes> starts{Passes{}, passes_about(at_hand, passes_frames_)};
@@ -105,7 +107,7 @@ void StartSmoother::begin(const std::vector<Landmark>& at_hand) {
 std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& at_hand) {
   if (told_.empty()) return nullptr;
   const std::size_t frames = told_.size() - 1;
-  if (frames == kFirstFrames || frames == kLastFrames) begin(at_hand);
+  if (std::find(kStarts.begin(), kStarts.end(), frames) != kStarts.end()) begin(at_hand);
   if (passes_.empty()) return nullptr;
   // 1. So many pictures a frame, of one start after the other: more would take too long.
   constexpr std::size_t kSearchedAtOnce = 80;
@@ -123,17 +125,18 @@ std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& 
       *std::min_element(passes_.begin(), passes_.end(),
                         [](const Passes& a, const Passes& b) { return a.cost < b.cost; }));
   passes_.clear();
-  std::unique_ptr<FusionFilter> told;
-  if (best.is_last && (frames >= kLastFrames || is_told_from_a_turn(best.begun->filter))) {
-    told = std::make_unique<FusionFilter>(std::move(best.begun->filter));
-  } else if (best.is_settled && !best.is_last) {
+  if (best.is_settled && !best.is_last) {
     const bool is_weighed = !best.is_search();
     passes_.push_back(passes_about(best.landmarks, is_weighed ? frames : passes_frames_));
     passes_.back().weighings = kWeighings;
     passes_.back().is_last = is_weighed;
     return nullptr;
   }
-  if (frames >= kLastFrames) forget();
+  std::unique_ptr<FusionFilter> told;
+  if (best.is_last && is_believed(best.begun->filter, passes_frames_)) {
+    told = std::make_unique<FusionFilter>(std::move(best.begun->filter));
+  }
+  if (passes_frames_ >= (told ? kEnoughFrames : kStarts.back())) forget();
   return told;
 }
 

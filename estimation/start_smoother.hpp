@@ -21,6 +21,7 @@ using StartLandmarks = std::map<int, StartLandmark>;  // by features
 /// linearises each picture about what it knew by then. Once a few are there, all that the filter
 /// was told is gone through again about the depths and the poses that they tell as a whole, until
 /// these stay: Gauss and Newton's steps on the whole start (iterated Kalman smoother: Bell 1994).
+/// Where they may as well show a turn as a way, twice as many are waited for.
 class StartSmoother {
  public:
   /// Remembers nothing where `config.relinearize_start` is off.
@@ -36,7 +37,7 @@ class StartSmoother {
   void close_frame(std::span<const FeatureView> seen, const std::vector<int>& believed);
   void forget();
   /// Goes through so many pictures again as one frame has time for, first about these landmarks.
-  /// Once the passes have settled: a filter that has been told all, up to now.
+  /// Once the passes have settled, and can be no turn: a filter that has been told all, up to now.
   [[nodiscard]] std::unique_ptr<FusionFilter> go_on(const std::vector<Landmark>& at_hand);
 
  private:

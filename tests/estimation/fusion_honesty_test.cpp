@@ -238,7 +238,7 @@ TEST(FusionFilter, LeavesAFalseStartOnceMorePicturesTell) {
   }
 }
 
-// Twenty pictures of a slow way may as well show a turn: the likeliest of both is none to be sure of.
+// Twenty pictures of a slow way may as well show a turn: the likelier of both may be the false one.
 TEST(FusionFilter, DoesNotBelieveAStartThatMayBeATurn) {
   constexpr int kSeeds = 8;
   constexpr int kFrames = 45;  // the one of 20 pictures is there, that of 40 is not
@@ -254,6 +254,22 @@ TEST(FusionFilter, DoesNotBelieveAStartThatMayBeATurn) {
     mean += nees_of(flight) / kSeeds;
   }
   EXPECT_LT(mean, 8);
+}
+
+// Of a slower way forty may, and eighty tell.
+TEST(FusionFilter, WaitsForAStartThatCannotBeATurn) {
+  constexpr int kFrames = 150;
+  FusionScene scene = hover_of_unknown_speed();
+  scene.sway_m = 0;
+  scene.turn_rad = 0;
+  scene.drift_m_s2 = 0.01;
+  scene.inverse_depth_spread = 1;
+  scene.pixel_sigma_px = 0.4;
+  for (const std::uint64_t seed : {101, 103, 106}) {
+    FusionSimulation flight(scene, white_noise(), seed);
+    for (int i = 0; i < kFrames; ++i) flight.step();
+    EXPECT_LT(nees_of(flight), 20) << seed;
+  }
 }
 
 // What way and depths are not known to is doubted as long as both are vague, not afterwards.
