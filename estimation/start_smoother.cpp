@@ -173,8 +173,12 @@ bool StartSmoother::retell(Passes& passes, std::size_t frames, std::size_t& left
       passes.about.try_emplace(landmark.feature, StartLandmark{landmark.inverse_depth, {}});
     }
     const bool has_pose = again.frames < passes.way.size();
-    again.cost += again.filter.update_landmarks_about(
-        passes.about, has_pose ? &passes.way[again.frames] : nullptr, frame.seen);
+    if (passes.is_last && !has_pose) {
+      again.filter.update_landmarks(frame.seen);  // what came since, as what will come
+    } else {
+      again.cost += again.filter.update_landmarks_about(
+          passes.about, has_pose ? &passes.way[again.frames] : nullptr, frame.seen);
+    }
   }
   return again.frames == frames;
 }
