@@ -64,7 +64,7 @@ class WarmPilot {
   WarmPilot(const std::string& name, const PilotSetup& setup) : row_{.name = name}, setup_(setup) {}
 
   void start(const cv::Mat& reference, double height_m);
-  /// Not measured.
+  /// A frame of the start, which is none of the cycle's.
   void settle(const HoverInstant& instant);
   void run(const HoverInstant& instant);
   [[nodiscard]] const ContestantRow& row() const { return row_; }

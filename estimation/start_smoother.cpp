@@ -30,6 +30,7 @@ bool is_believed(const FusionFilter& filter, std::size_t frames) {
   for (const Landmark& landmark : filter.landmarks()) {
     inverse_depths.push_back(landmark.inverse_depth);
   }
+  if (inverse_depths.empty()) return false;  // all given up meanwhile
   const auto middle = inverse_depths.begin() + inverse_depths.size() / 2;
   std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
   const double turn_sigma = std::sqrt(filter.pose_covariance().bottomRightCorner<3, 3>().trace());

@@ -238,14 +238,20 @@ TEST(FusionFilter, LeavesAFalseStartOnceMorePicturesTell) {
   }
 }
 
+// From rest, steadily faster to one side.
+FusionScene slow_departure(double drift_m_s2) {
+  FusionScene scene = hover_of_unknown_speed();
+  scene.sway_m = 0;
+  scene.turn_rad = 0;
+  scene.drift_m_s2 = drift_m_s2;
+  return scene;
+}
+
 // Twenty pictures of a slow way may as well show a turn: the likelier of both may be the false one.
 TEST(FusionFilter, DoesNotBelieveAStartThatMayBeATurn) {
   constexpr int kSeeds = 4;
   constexpr int kFrames = 45;  // the one of 20 pictures is there, that of 40 is not
-  FusionScene scene = hover_of_unknown_speed();
-  scene.sway_m = 0;
-  scene.turn_rad = 0;
-  scene.drift_m_s2 = 0.05;
+  FusionScene scene = slow_departure(0.05);
   scene.pixel_sigma_px = 0.7;
   double mean = 0;
   for (int seed = 0; seed < kSeeds; ++seed) {
@@ -256,16 +262,13 @@ TEST(FusionFilter, DoesNotBelieveAStartThatMayBeATurn) {
   EXPECT_LT(mean, 8);
 }
 
-// Of a slower way forty may, and eighty tell.
+// Of a slower way forty may, and eighty tell: of eight seeds two that fail otherwise.
 TEST(FusionFilter, WaitsForAStartThatCannotBeATurn) {
   constexpr int kFrames = 150;
-  FusionScene scene = hover_of_unknown_speed();
-  scene.sway_m = 0;
-  scene.turn_rad = 0;
-  scene.drift_m_s2 = 0.01;
+  FusionScene scene = slow_departure(0.01);
   scene.inverse_depth_spread = 1;
   scene.pixel_sigma_px = 0.4;
-  for (const std::uint64_t seed : {103, 106}) {
+  for (const std::uint64_t seed : {101, 103}) {
     FusionSimulation flight(scene, white_noise(), seed);
     for (int i = 0; i < kFrames; ++i) flight.step();
     EXPECT_LT(nees_of(flight), 20) << seed;
