@@ -1,5 +1,6 @@
 #include "stabilization/held_tether.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "geometry/angle.hpp"
