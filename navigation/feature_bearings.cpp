@@ -1,5 +1,6 @@
 #include "navigation/feature_bearings.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -18,7 +19,6 @@ struct LineDistance {
 FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks) {
   FeatureBearings bearings;
   bearings.pairs.reserve(tracks.found.size());
-  const double focal2_px2 = camera.focal_x_px * camera.focal_y_px;
   for (std::size_t i = 0; i < tracks.found.size(); ++i) {
     if (tracks.found[i] == 0) continue;
     const auto reference = undistort(camera, tracks.reference_px[i].cast<double>());
@@ -27,7 +27,9 @@ FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& trac
     bearings.pairs.push_back({*reference, *current});
     bearings.feature_of_pair.push_back(i);
     if (tracks.covariance_px2.empty()) continue;
-    bearings.covariance.emplace_back(tracks.covariance_px2[i].cast<double>() / focal2_px2);
+    const Eigen::Matrix2d by_px = distort(camera, *current).jacobian.inverse();
+    bearings.covariance.emplace_back(by_px * tracks.covariance_px2[i].cast<double>() *
+                                     by_px.transpose());
   }
   return bearings;
 }

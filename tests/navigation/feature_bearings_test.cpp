@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <random>
 
 #include "estimation/relative_pose_estimator.hpp"
 #include "geometry/rigid_transform.hpp"
+#include "tests/navigation/small_camera.hpp"
 
 namespace stillkite {
 namespace {
@@ -44,6 +46,30 @@ FeatureBearings seen(const Features& features) {
 double found_in(const FeatureBearings& bearings) {
   return unit_variance(bearings, estimate_relative_pose(bearings.pairs, kFocal_px, {}))
       .value_or(-1);
+}
+
+// A lens draws a corner together: a pixel there is more of an angle, and by more along the radius.
+TEST(FeatureBearings, CarryTheCovarianceThroughTheLens) {
+  const Camera camera = small_camera();
+  Eigen::Matrix2f covariance_px2;
+  covariance_px2 << 4e-2F, 1e-2F, 1e-2F, 1e-2F;
+  const Eigen::Matrix2d L_px = covariance_px2.cast<double>().llt().matrixL();
+  for (const Eigen::Vector2d& at_px : {Eigen::Vector2d(200, 120), Eigen::Vector2d(390, 230)}) {
+    const FeatureTracks tracks{.reference_px = {at_px.cast<float>()},
+                               .current_px = {at_px.cast<float>()},
+                               .found = {1},
+                               .covariance_px2 = {covariance_px2},
+                               .found_count = 1};
+    const FeatureBearings bearings = feature_bearings(camera, tracks);
+    ASSERT_EQ(bearings.covariance.size(), 1U);
+    Eigen::Matrix2d L;
+    for (const Eigen::Index i : {0, 1}) {
+      L.col(i) =
+          0.5 * (*undistort(camera, at_px + L_px.col(i)) - *undistort(camera, at_px - L_px.col(i)));
+    }
+    const Eigen::Matrix2d expected = L * L.transpose();
+    EXPECT_LT((bearings.covariance[0] - expected).norm(), 1e-4 * expected.norm()) << at_px;
+  }
 }
 
 TEST(UnitVariance, IsOneWhereWhatIsToldIsTrue) {
