@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/angle.hpp"
+
 namespace stillkite {
 namespace {
 
