@@ -60,6 +60,7 @@ InheritedDepths depths_from_camera(const FusionState& state, const std::vector<L
 // map are known by goes over into the new one. Nothing else is left of it.
 void FusionFilter::take_anchor() {
   if (!landmarks_.empty()) start_.forget();
+  start_.take_anchor();
   start_.remember([](FusionFilter& filter) { filter.take_anchor(); });
   const InheritedDepths kept = depths_from_camera(state_, landmarks_, P_);
   if (!landmarks_.empty()) is_first_map_ = false;

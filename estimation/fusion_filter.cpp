@@ -33,6 +33,7 @@ FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
   set(Index::kScale, 1, config.scale_sigma_ratio);
   set(Index::kHeight, 1, config.height_sigma_ratio);
   doubt_height(start.log_unit_sigma);
+  prediction_ = {state_, own_covariance(), OwnMatrix::Identity()};
 }
 
 // Of a unit that is no metre the height is as many metres: both or neither.
@@ -120,23 +121,13 @@ bool FusionFilter::update_turn(const Eigen::Quaterniond& anchor_from_camera,
   return correct(innovation);
 }
 
-bool FusionFilter::update_pose(const Resection& seen_from) {
-  const RigidTransform& pose = state_.world_from_camera;
-  Innovation<6> innovation;
-  innovation.residual << so3_log(seen_from.world_from_camera.rotation * pose.rotation.conjugate()),
-      seen_from.world_from_camera.translation - pose.translation;
-  innovation.H.add(Index::kRotation, Matrix6d::Identity().leftCols<3>());
-  innovation.H.add(Index::kPosition, Matrix6d::Identity().rightCols<3>());
-  innovation.noise = seen_from.information.inverse();
-  return correct(innovation);
-}
-
 void FusionFilter::begin_step() {
+  start_.begin_frame();
   start_.remember([](FusionFilter& filter) { filter.begin_step(); });
   state_.step_start = state_.world_from_camera.translation;
   gyro_s_ = 0;
-  step_transition_.setIdentity();
   clone(Index::kPosition, 3, Index::kStepStart);
+  prediction_ = {state_, own_covariance(), OwnMatrix::Identity()};
 }
 
 // What is a copy has the original's errors, and their covariance with all others.

@@ -11,7 +11,6 @@
 #include "estimation/joint_correction.hpp"
 #include "estimation/keyframe_view.hpp"
 #include "estimation/landmark_view.hpp"
-#include "estimation/resection.hpp"
 #include "estimation/start_smoother.hpp"
 
 namespace stillkite {
@@ -25,14 +24,22 @@ struct InertialStep {
   std::optional<Eigen::Vector3d> specific_force_m_s2;
 };
 
+/// State and covariance of the errors that are no copies and no landmarks.
+struct FusionPrediction {
+  static constexpr int kOwn = FusionIndex::kAnchorRotation;
+  using OwnMatrix = Eigen::Matrix<double, kOwn, kOwn>;
+  FusionState state;
+  OwnMatrix covariance;
+  OwnMatrix transition;  ///< d(errors) / d(what they were at `FusionFilter::begin_step`)
+};
+
 /// Error-state Kalman filter on SO(3) of the camera's pose from the first frame, its velocity, the
 /// map's scale, the sensors' biases and landmarks of the reference frame; see docs/fusion.md.
 class FusionFilter {
-  // of the errors that are no copies and no landmarks
-  static constexpr int kOwn = FusionIndex::kAnchorRotation;
+  static constexpr int kOwn = FusionPrediction::kOwn;
 
  public:
-  using OwnMatrix = Eigen::Matrix<double, kOwn, kOwn>;
+  using OwnMatrix = FusionPrediction::OwnMatrix;
 
   /// At rest as far as `start.velocity_sigma` says; map units begin as the start's units.
   FusionFilter(const FusionConfig& config, const FusionStart& start);
@@ -68,21 +75,21 @@ class FusionFilter {
   /// A feature of the reference frame, as the anchor sees it, and where it is seen now: from far
   /// enough that tells its depth. Beyond `FusionConfig::landmarks` it is a spare one.
   void add_landmark(const FeatureView& reference, const std::optional<Eigen::Vector2d>& seen = {});
+  /// A feature of the first reference that may take the place of a landmark once the start is gone
+  /// through again.
+  void offer_landmark(const FeatureView& reference);
+  /// No landmark of this anchor any more.
+  void give_up(int feature);
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
   /// gives how many were not. A landmark that is refused too often in a row goes, and the unit is
   /// settled. From the 20th and the 40th frame under the first reference on, and from the 80th and
   /// 160th where these did not suffice, some take several times as long: all that was told is gone
   /// through again (`FusionConfig::relinearize_start`).
   int update_landmarks(std::span<const FeatureView> seen);
-  /// The same, but linearised about these depths and that pose, or else where the landmarks put the
-  /// camera; none is refused. Gives -2 log likelihood of the views, but for a constant; infinite
-  /// where one cannot be seen. Without the determinant a longer way would be the cheaper one, for
-  /// views are told to err more the further away they are.
-  double update_landmarks_about(const StartLandmarks& about,
-                                const RigidTransform* world_from_camera,
-                                std::span<const FeatureView> seen);
-  /// The camera's pose by itself. False: refused.
-  bool update_pose(const Resection& seen_from);
+  /// The same, but linearised about these landmarks and that pose. Views that are off from there
+  /// by more than the gate are left out.
+  void update_landmarks_about(const StartLandmarks& about, const RigidTransform& world_from_camera,
+                              std::span<const FeatureView> seen);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
   /// depth has shown. Gives how many are new.
@@ -121,8 +128,8 @@ class FusionFilter {
   [[nodiscard]] double inverse_depth_sigma(std::size_t i) const;
   /// Of the errors before the anchor's (FusionIndex).
   [[nodiscard]] OwnMatrix own_covariance() const { return P_.topLeftCorner<kOwn, kOwn>(); }
-  /// d(those errors) / d(what they were at `begin_step`).
-  [[nodiscard]] const OwnMatrix& step_transition() const { return step_transition_; }
+  /// Of the last step, before anything corrected it.
+  [[nodiscard]] const FusionPrediction& prediction() const { return prediction_; }
 
  private:
   // d(rotation, position, velocity) by the errors before, and what noise adds to them
@@ -146,9 +153,7 @@ class FusionFilter {
   void remove_landmark(std::size_t i);
   // 3. A frame's views of them.
   [[nodiscard]] std::vector<LandmarkView> landmark_views(std::span<const FeatureView> seen) const;
-  [[nodiscard]] double window_growth(const Landmark& landmark) const;
   void age_windows(std::span<const FeatureView> seen);
-  [[nodiscard]] double stray_growth(const Landmark& landmark) const;
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] bool is_within_gate(const LandmarkView& view) const;
   [[nodiscard]] std::size_t count_refused(const std::vector<LandmarkView>& views) const;
@@ -156,7 +161,6 @@ class FusionFilter {
   void doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views);
   void doubt_gyro(double variance);
   bool correct_jointly(std::vector<LandmarkView>& views);
-  [[nodiscard]] std::vector<int> features_of(const std::vector<LandmarkView>& views) const;
   // 4. Ground and start.
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
   [[nodiscard]] std::optional<Innovation<1>> ground_innovation(const Landmark& landmark,
@@ -177,7 +181,7 @@ class FusionFilter {
   bool is_first_map_ = true;                // its lengths are what the scale is of
   std::vector<Landmark> landmarks_;
   std::vector<int> dropped_;
-  OwnMatrix step_transition_ = OwnMatrix::Identity();
+  FusionPrediction prediction_;
   double gyro_s_ = 0;  // that the gyroscope has carried the camera since `begin_step`
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
 };

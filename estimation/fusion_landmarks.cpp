@@ -16,12 +16,17 @@ constexpr int kMostRefusals = 5;
 
 }  // namespace
 
+void FusionFilter::offer_landmark(const FeatureView& reference) {
+  start_.offer({reference, guessed_inverse_depth(state_, reference.bearing,
+                                                 height(state_.world_from_anchor.translation))});
+}
+
 // A depth that a view tells is known as well as that view will say. One that is guessed is wrong as
 // others are: of a first map that is its scale, but later ones must not tell what lengths are.
 void FusionFilter::add_landmark(const FeatureView& reference,
                                 const std::optional<Eigen::Vector2d>& seen) {
   constexpr double kUntold_ratio = 3;
-  start_.remember([=](FusionFilter& filter) { filter.add_landmark(reference, seen); });
+  offer_landmark(reference);
   if (static_cast<int>(landmarks_.size()) >= most_landmarks()) return;
   if (landmark_of(reference.feature)) return;
   const int column = size();
@@ -76,7 +81,7 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   const bool is_corrected = !views.empty() && correct_jointly(views);
   if (is_corrected) {
     blame_strays(views);
-    start_.close_frame(seen, features_of(views));
+    start_.see(seen);
   }
   drop_refused();
   if (is_corrected) {
@@ -104,13 +109,6 @@ void FusionFilter::blame_strays(const std::vector<LandmarkView>& views) {
   }
 }
 
-std::vector<int> FusionFilter::features_of(const std::vector<LandmarkView>& views) const {
-  std::vector<int> features;
-  features.reserve(views.size());
-  for (const LandmarkView& view : views) features.push_back(landmarks_[view.landmark].feature);
-  return features;
-}
-
 // Since the anchor, map units, world axes.
 Eigen::Matrix3d FusionFilter::way_covariance() const {
   constexpr int p = Index::kPosition;
@@ -123,18 +121,6 @@ std::optional<std::size_t> FusionFilter::landmark_of(int feature) const {
                                   [&](const Landmark& l) { return l.feature == feature; });
   if (found == landmarks_.end()) return std::nullopt;
   return static_cast<std::size_t>(found - landmarks_.begin());
-}
-
-// Of the variances of what a window is off by: the further the camera from where it was taken, the
-// less it looks the same.
-double FusionFilter::window_growth(const Landmark& landmark) const {
-  return 1 + landmark.way.norm() / config_.window_error_way;
-}
-
-// Of the variance of a stray's view: it is off by more, and alike in frame after frame.
-double FusionFilter::stray_growth(const Landmark& landmark) const {
-  const double more = std::max(0.0, landmark.stray.value() - config_.stray_above_ratio);
-  return 1 + config_.stray_correlated_frames * more;
 }
 
 // What a window is off by lasts while the camera stays where it is, and is another elsewhere: a
@@ -155,7 +141,7 @@ void FusionFilter::age_windows(std::span<const FeatureView> seen) {
     P_.block(column, 0, 2, n) *= kept;
     P_.block(0, column, n, 2) *= kept;
     P_.block<2, 2>(column, column) += (1 - square(kept)) * square(config_.window_error_ratio) *
-                                      window_growth(landmark) * view.covariance;
+                                      window_growth(config_, landmark.way) * view.covariance;
   }
 }
 
@@ -171,14 +157,14 @@ std::vector<LandmarkView> FusionFilter::landmark_views(std::span<const FeatureVi
     if (!i) continue;
     const Landmark& landmark = landmarks_[*i];
     const int depth = Index::landmark(*i) + 2;
-    const Eigen::Matrix2d usual = window_growth(landmark) * view.covariance;
+    const Eigen::Matrix2d usual = window_growth(config_, landmark.way) * view.covariance;
     Eigen::Matrix2d product = Eigen::Matrix2d::Zero();
     if (!landmark.is_of_start) {
       product = product_covariance(state_, landmark, lasting_way, P_(depth, depth));
     }
     views.push_back({.landmark = *i,
                      .bearing = view.bearing,
-                     .covariance = stray_growth(landmark) * usual + product,
+                     .covariance = stray_growth(config_, landmark.stray) * usual + product,
                      .usual_covariance = usual + product});
   }
   return views;
@@ -250,10 +236,15 @@ bool FusionFilter::correct_jointly(std::vector<LandmarkView>& views) {
 
 void FusionFilter::drop_refused() {
   for (std::size_t i = landmarks_.size(); i-- > 0;) {
-    if (landmarks_[i].refused < kMostRefusals) continue;
-    dropped_.push_back(landmarks_[i].feature);
-    remove_landmark(i);
+    if (landmarks_[i].refused >= kMostRefusals) give_up(landmarks_[i].feature);
   }
+}
+
+void FusionFilter::give_up(int feature) {
+  if (std::find(dropped_.begin(), dropped_.end(), feature) == dropped_.end()) {
+    dropped_.push_back(feature);
+  }
+  if (const std::optional<std::size_t> i = landmark_of(feature)) remove_landmark(*i);
 }
 
 void FusionFilter::drop_unseen(bool keep_first) {

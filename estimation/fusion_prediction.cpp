@@ -105,11 +105,13 @@ void FusionFilter::predict(const InertialStep& step) {
   propagate(F, noise, dt_s);
   if (has_gyro) gyro_s_ += dt_s;
   state_ = moved(state_, step);
+  prediction_.state = state_;
+  prediction_.covariance = own_covariance();
 }
 
 void FusionFilter::propagate(const Transition& F, const Matrix9d& noise, double dt_s) {
   const int n = size();
-  step_transition_.topRows<9>() = (F * step_transition_).eval();
+  prediction_.transition.topRows<9>() = (F * prediction_.transition).eval();
   const Eigen::MatrixXd rows = F * P_.topLeftCorner(Index::kAnchorRotation, n);
   P_.topLeftCorner(9, n) = rows;
   P_.topLeftCorner(n, 9) = rows.transpose();

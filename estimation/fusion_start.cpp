@@ -1,30 +1,29 @@
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "estimation/dense_update.hpp"
 #include "estimation/fusion_filter.hpp"
+#include "estimation/landmark_model.hpp"
 
 namespace stillkite {
 namespace {
 
 using Index = FusionIndex;
 
-double log_determinant(const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper>& factor) {
-  return 2 * factor.matrixLLT().diagonal().array().log().sum();
-}
-
 }  // namespace
 
-// Views are weighed by how landmarks strayed in the pass before; how they stray now is gathered
-// beside it.
-double FusionFilter::update_landmarks_about(const StartLandmarks& about,
-                                            const RigidTransform* world_from_camera,
-                                            std::span<const FeatureView> seen) {
-  const RigidTransform predicted = state_.world_from_camera;
+// Views are weighed by how landmarks strayed when they were searched for; how they stray now is
+// gathered beside it.
+void FusionFilter::update_landmarks_about(const StartLandmarks& about,
+                                          const RigidTransform& world_from_camera,
+                                          std::span<const FeatureView> seen) {
+  const RigidTransform predicted = std::exchange(state_.world_from_camera, world_from_camera);
   std::vector<RunningRatio> gathered;
   gathered.reserve(landmarks_.size());
   Eigen::VectorXd offset = Eigen::VectorXd::Zero(size());
+  offset.segment<3>(Index::kRotation) =
+      so3_log(world_from_camera.rotation * predicted.rotation.conjugate());
+  offset.segment<3>(Index::kPosition) = world_from_camera.translation - predicted.translation;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     Landmark& landmark = landmarks_[i];
     const StartLandmark& linear = about.at(landmark.feature);
@@ -32,17 +31,16 @@ double FusionFilter::update_landmarks_about(const StartLandmarks& about,
     landmark.inverse_depth = linear.inverse_depth;
     gathered.push_back(std::exchange(landmark.stray, linear.stray));
   }
-  if (world_from_camera) {
-    state_.world_from_camera = *world_from_camera;
-  } else if (const auto seen_from = resection(state_, landmarks_, seen)) {
-    state_.world_from_camera = seen_from->world_from_camera;
-  }
-  offset.segment<3>(Index::kRotation) =
-      so3_log(state_.world_from_camera.rotation * predicted.rotation.conjugate());
-  offset.segment<3>(Index::kPosition) =
-      state_.world_from_camera.translation - predicted.translation;
   age_windows(seen);
-  const std::vector<LandmarkView> views = landmark_views(seen);
+  std::vector<LandmarkView> views = landmark_views(seen);
+  std::erase_if(views, [&](const LandmarkView& view) {
+    const auto left =
+        landmark_innovation(state_, landmarks_[view.landmark], 0, view.bearing, view.covariance);
+    if (!left) return true;
+    const int column = Index::landmark(view.landmark);
+    const Eigen::Matrix2d S = left->noise + P_.block<2, 2>(column, column);
+    return left->residual.dot(S.llt().solve(left->residual)) > 2 * square(config_.gate_sigma);
+  });
   const auto correction = joint_correction(state_, landmarks_, P_, views, offset);
   Eigen::VectorXd error = -offset;
   if (correction) {
@@ -55,31 +53,20 @@ double FusionFilter::update_landmarks_about(const StartLandmarks& about,
   for (std::size_t i = 0; i < views.size(); ++i) {
     landmarks_[views[i].landmark].stray.add(errors.squared[i] / errors.usual);
   }
-  return correction ? correction->squared + log_determinant(correction->S) : HUGE_VAL;
 }
 
 // Landmarks that have been given up meanwhile are left out. The ground is to be told again.
 void FusionFilter::adopt(const FusionFilter& again) {
-  std::vector<Landmark> at_hand = std::move(landmarks_);
   state_ = again.state_;
   P_ = again.P_;
   start_m_ = again.start_m_;
   is_height_given_ = again.is_height_given_;
   landmarks_ = again.landmarks_;
+  for (const int feature : again.dropped_) give_up(feature);
   for (std::size_t i = landmarks_.size(); i-- > 0;) {
-    Landmark& landmark = landmarks_[i];
-    const auto found = std::find_if(at_hand.begin(), at_hand.end(), [&](const Landmark& l) {
-      return l.feature == landmark.feature;
-    });
-    if (found == at_hand.end()) {
-      remove_landmark(i);
-      continue;
-    }
-    landmark.is_guess = found->is_guess;
-    landmark.is_of_start = true;
-    landmark.is_spare = found->is_spare;
-    landmark.refused = found->refused;
-    landmark.unseen = found->unseen;
+    landmarks_[i].is_of_start = true;
+    const int feature = landmarks_[i].feature;
+    if (std::find(dropped_.begin(), dropped_.end(), feature) != dropped_.end()) remove_landmark(i);
   }
 }
 

@@ -12,13 +12,20 @@ struct SightLine {
   Eigen::Vector3d in_camera;
 };
 
-SightLine sight_line(const FusionState& state, const Landmark& landmark) {
+SightLine sight_line(const RigidTransform& world_from_camera,
+                     const RigidTransform& world_from_anchor, const Eigen::Vector2d& bearing,
+                     double inverse_depth) {
   SightLine out;
-  out.to_anchor = state.world_from_anchor.translation - state.world_from_camera.translation;
-  out.beside = state.world_from_anchor.rotation * landmark.bearing.homogeneous();
-  out.direction = landmark.inverse_depth * out.to_anchor + out.beside;
-  out.in_camera = state.world_from_camera.rotation.conjugate() * out.direction;
+  out.to_anchor = world_from_anchor.translation - world_from_camera.translation;
+  out.beside = world_from_anchor.rotation * bearing.homogeneous();
+  out.direction = inverse_depth * out.to_anchor + out.beside;
+  out.in_camera = world_from_camera.rotation.conjugate() * out.direction;
   return out;
+}
+
+SightLine sight_line(const FusionState& state, const Landmark& landmark) {
+  return sight_line(state.world_from_camera, state.world_from_anchor, landmark.bearing,
+                    landmark.inverse_depth);
 }
 
 Eigen::Matrix<double, 2, 3> view_by_direction(const FusionState& state, const SightLine& line) {
@@ -36,22 +43,37 @@ Eigen::Matrix<double, 2, 3> bearing_by_direction(const Eigen::Matrix3d& camera_f
   return J / Y.z() * camera_from_world;
 }
 
+std::optional<LandmarkProjection> project_landmark(const RigidTransform& world_from_camera,
+                                                   const RigidTransform& world_from_anchor,
+                                                   const Eigen::Vector2d& bearing,
+                                                   double inverse_depth) {
+  const SightLine line = sight_line(world_from_camera, world_from_anchor, bearing, inverse_depth);
+  if (!(line.in_camera.z() > kNearest)) return std::nullopt;
+  LandmarkProjection out;
+  out.bearing = line.in_camera.hnormalized();
+  out.by_direction = bearing_by_direction(world_from_camera.rotation.conjugate().toRotationMatrix(),
+                                          line.in_camera);
+  out.by_pose << out.by_direction * skew(line.direction), -inverse_depth * out.by_direction;
+  Eigen::Matrix3d of_landmark;
+  of_landmark << world_from_anchor.rotation.toRotationMatrix().leftCols<2>(), line.to_anchor;
+  out.by_landmark = out.by_direction * of_landmark;
+  return out;
+}
+
 std::optional<Innovation<2>> landmark_innovation(const FusionState& state, const Landmark& landmark,
                                                  int column, const Eigen::Vector2d& seen,
                                                  const Eigen::Matrix2d& covariance) {
   using Index = FusionIndex;
-  const SightLine line = sight_line(state, landmark);
-  if (!(line.in_camera.z() > kNearest)) return std::nullopt;
-  const Eigen::Matrix<double, 2, 3> J = view_by_direction(state, line);
-  Eigen::Matrix3d of_landmark;
-  of_landmark << state.world_from_anchor.rotation.toRotationMatrix().leftCols<2>(), line.to_anchor;
-  Innovation<2> innovation{
-      .residual = seen - line.in_camera.hnormalized(), .H = {}, .noise = covariance};
-  innovation.H.add(Index::kRotation, J * skew(line.direction));
-  innovation.H.add(Index::kPosition, -landmark.inverse_depth * J);
-  innovation.H.add(Index::kAnchorRotation, -J * skew(line.beside));
-  innovation.H.add(Index::kAnchorPosition, landmark.inverse_depth * J);
-  innovation.H.add(column, J * of_landmark);
+  const auto view = project_landmark(state.world_from_camera, state.world_from_anchor,
+                                     landmark.bearing, landmark.inverse_depth);
+  if (!view) return std::nullopt;
+  const Eigen::Vector3d beside = state.world_from_anchor.rotation * landmark.bearing.homogeneous();
+  Innovation<2> innovation{.residual = seen - view->bearing, .H = {}, .noise = covariance};
+  innovation.H.add(Index::kRotation, view->by_pose.leftCols<3>());
+  innovation.H.add(Index::kPosition, view->by_pose.rightCols<3>());
+  innovation.H.add(Index::kAnchorRotation, -view->by_direction * skew(beside));
+  innovation.H.add(Index::kAnchorPosition, -view->by_pose.rightCols<3>());
+  innovation.H.add(column, view->by_landmark);
   return innovation;
 }
 

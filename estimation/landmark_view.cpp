@@ -8,10 +8,26 @@
 
 namespace stillkite {
 
-ViewErrors view_errors(const FusionState& state, const std::vector<Landmark>& landmarks,
-                       const std::vector<LandmarkView>& views) {
+double window_growth(const FusionConfig& config, const Eigen::Vector3d& way) {
+  return 1 + way.norm() / config.window_error_way;
+}
+
+double stray_growth(const FusionConfig& config, const RunningRatio& stray) {
+  const double more = std::max(0.0, stray.value() - config.stray_above_ratio);
+  return 1 + config.stray_correlated_frames * more;
+}
+
+double usual_error(std::vector<double> squared) {
   constexpr double kMedian = 0.693;  // of chi-square with two degrees of freedom, for each
   constexpr double kLeast = 0.02;
+  if (squared.empty()) return 0;
+  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
+  std::nth_element(squared.begin(), middle, squared.end());
+  return std::max(*middle / kMedian, kLeast);
+}
+
+ViewErrors view_errors(const FusionState& state, const std::vector<Landmark>& landmarks,
+                       const std::vector<LandmarkView>& views) {
   ViewErrors errors;
   errors.squared.reserve(views.size());
   for (const LandmarkView& view : views) {
@@ -20,11 +36,7 @@ ViewErrors view_errors(const FusionState& state, const std::vector<Landmark>& la
     errors.squared.push_back(left ? left->residual.dot(left->noise.llt().solve(left->residual)) / 2
                                   : HUGE_VAL);
   }
-  if (views.empty()) return errors;
-  std::vector<double> sorted = errors.squared;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  errors.usual = std::max(*middle / kMedian, kLeast);
+  errors.usual = usual_error(errors.squared);
   return errors;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "estimation/fusion_config.hpp"
 #include "estimation/fusion_state.hpp"
 
 namespace stillkite {
@@ -23,10 +24,21 @@ struct LandmarkView {
   Eigen::Matrix2d usual_covariance;  ///< were it no stray
 };
 
+/// By which the variances of what a window is off by have grown: the further the camera is from
+/// where it was taken (in depths), the less it looks the same.
+[[nodiscard]] double window_growth(const FusionConfig& config, const Eigen::Vector3d& way);
+
+/// By which the variance of a stray's view has: it is off by more, and alike in frame after frame.
+[[nodiscard]] double stray_growth(const FusionConfig& config, const RunningRatio& stray);
+
+/// The mean, by their median, of what a frame's views are off by: squared, over their covariance
+/// and per degree of freedom. 0 of none.
+[[nodiscard]] double usual_error(std::vector<double> squared);
+
 /// What views are off by, squared, over their usual covariance and per degree of freedom.
 struct ViewErrors {
   std::vector<double> squared;  ///< infinite where the landmark cannot be seen
-  double usual = 0;             ///< the mean, by their median
+  double usual = 0;
 };
 
 [[nodiscard]] ViewErrors view_errors(const FusionState& state,

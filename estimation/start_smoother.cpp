@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <functional>
 #include <utility>
 
 #include "estimation/fusion_filter.hpp"
@@ -12,11 +12,14 @@ namespace stillkite {
 namespace {
 
 constexpr std::array<std::size_t, 4> kStarts{20, 40, 80, 160};  // of so many frames
-constexpr std::size_t kEnoughFrames = 40;  // of which one that is believed is the last
-constexpr int kMostPasses = 21;
+constexpr std::size_t kEnoughFrames = 40;    // of which one that is believed is the last
+constexpr std::size_t kChosenFrames = 20;    // of them, for depths and way to be found in
+constexpr std::size_t kSearchedPoints = 64;  // tell starts apart
+constexpr int kMostSteps = 21;
 constexpr int kWeighings = 3;
-constexpr int kSearched = 32;  // landmarks, and half as many spare ones, tell false starts
+constexpr double kSettled = 0.1;                // squared length of a step, in sigmas
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
+constexpr std::size_t kMostFrames = 1000;       // the same
 
 // Where the way is short for the noise, what it turns the landmarks by may as well be a turn, and
 // the likeliest start is off by more than its covariance tells. To be believed the turn must be
@@ -39,173 +42,198 @@ bool is_believed(const FusionFilter& filter, std::size_t frames) {
 
 }  // namespace
 
-// told the same again, up to a frame
-struct StartSmoother::Pass {
+// A filter that is told the start again, so far up to a frame.
+struct StartSmoother::Retold {
   FusionFilter filter;
+  std::vector<FeatureView> landmarks;  // as the anchor sees them
+  std::vector<int> strays;
+  StartLandmarks about;
+  std::vector<RigidTransform> way;  // of the frames that were searched
+  std::size_t seen_frames = 0;      // of these, those with views
   std::size_t frames = 0;
-  double cost = 0;  // of the views -2 log likelihood, but for what all starts share
-};
-
-struct StartSmoother::Passes {
-  StartLandmarks about = {};
-  StartWay way = {};  // that goes with these depths; empty: each frame's resection
-  int weighings = 0;
-  int done = 0;
-  bool is_settled = false;
-  bool is_last = false;            // then it takes the place of what is at hand
-  std::optional<Pass> begun = {};  // the one at hand, if there is one
-  // what the last one told
-  double cost = HUGE_VAL;
-  std::vector<Landmark> landmarks = {};
-  // among starts, without weights
-  [[nodiscard]] bool is_search() const { return weighings == 0; }
-  [[nodiscard]] bool is_over() const { return is_settled || done >= weighings + kMostPasses; }
+  bool has_landmarks = false;
 };
 
 StartSmoother::StartSmoother(const FusionConfig& config, const FusionStart& start)
-    : config_(config), start_(start), told_(config.relinearize_start ? 1 : 0) {}
+    : config_(config), start_(start), frames_(config.relinearize_start ? 1 : 0) {}
 
 StartSmoother::~StartSmoother() = default;
-StartSmoother::StartSmoother(const StartSmoother& other) = default;
 StartSmoother::StartSmoother(StartSmoother&& other) noexcept = default;
-StartSmoother& StartSmoother::operator=(const StartSmoother& other) = default;
 StartSmoother& StartSmoother::operator=(StartSmoother&& other) noexcept = default;
 
-void StartSmoother::remember(std::function<void(FusionFilter&)> told) {
-  if (told_.empty()) return;
-  if (told_.back().told.size() >= kMostToldBetween) return forget();
-  told_.back().told.push_back(std::move(told));
+void StartSmoother::begin_frame() {
+  if (frames_.empty()) return;
+  if (frames_.size() >= kMostFrames) return forget();
+  frames_.emplace_back();
 }
 
-void StartSmoother::close_frame(std::span<const FeatureView> seen,
-                                const std::vector<int>& believed) {
-  if (told_.empty()) return;
-  for (const int feature : believed) {
-    told_.back().seen.push_back(*std::find_if(
-        seen.begin(), seen.end(), [&](const FeatureView& v) { return v.feature == feature; }));
+void StartSmoother::remember(ToldFrame::Tell tell) {
+  if (frames_.empty()) return;
+  ToldFrame& frame = frames_.back();
+  auto& told = frame.seen.empty() ? frame.before_views : frame.after_views;
+  if (told.size() >= kMostToldBetween) return forget();
+  told.push_back(std::move(tell));
+}
+
+void StartSmoother::take_anchor() {
+  candidates_.clear();
+  if (!frames_.empty()) anchor_ = frames_.size() - 1;
+}
+
+void StartSmoother::offer(const StartCandidate& candidate) {
+  if (frames_.empty()) return;
+  const bool is_known = std::any_of(candidates_.begin(), candidates_.end(), [&](const auto& c) {
+    return c.reference.feature == candidate.reference.feature;
+  });
+  if (!is_known) candidates_.push_back(candidate);
+}
+
+void StartSmoother::see(std::span<const FeatureView> seen) {
+  if (frames_.empty()) return;
+  ++seen_frames_;
+  for (const FeatureView& view : seen) {
+    const bool is_candidate =
+        std::any_of(candidates_.begin(), candidates_.end(),
+                    [&](const auto& c) { return c.reference.feature == view.feature; });
+    if (is_candidate) frames_.back().seen.push_back(view);
   }
-  told_.emplace_back();
 }
 
 void StartSmoother::forget() {
-  told_.clear();
-  passes_.clear();
+  frames_.clear();
+  search_.reset();
+  retold_.reset();
+}
+
+std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& at_hand) {
+  if (frames_.empty()) return nullptr;
+  if (std::find(kStarts.begin(), kStarts.end(), seen_frames_) != kStarts.end()) {
+    begin_search(at_hand);
+    return nullptr;
+  }
+  if (search_ && step_all(*search_)) {
+    if (!search_->estimates.empty()) begin_telling(*search_);
+    search_.reset();
+    return nullptr;
+  }
+  if (!retold_ || !tell_more(*retold_)) return nullptr;
+  std::unique_ptr<FusionFilter> told;
+  if (is_believed(retold_->filter, retold_->seen_frames)) {
+    told = std::make_unique<FusionFilter>(std::move(retold_->filter));
+  }
+  const bool is_last = retold_->seen_frames >= (told ? kEnoughFrames : kStarts.back());
+  retold_.reset();
+  if (is_last) forget();
+  return told;
 }
 
 // The nearest answer to the guesses is at times a false one, as is that of the filter itself, or of
 // a longer way. What 20 frames tell may be one of these, and 40 from the guesses show it, or 80.
-// Passes that have not settled yet go on.
-void StartSmoother::begin(const std::vector<Landmark>& at_hand) {
-  passes_frames_ = told_.size() - 1;
-  std::vector<Passes> starts{Passes{}, passes_about(at_hand, passes_frames_)};
-  for (Passes& passes : passes_) starts.push_back(Passes{.about = std::move(passes.about)});
-  for (Passes& start : starts) {
-    for (auto& [feature, landmark] : start.about) landmark.stray = {};
+void StartSmoother::begin_search(const std::vector<Landmark>& at_hand) {
+  retold_.reset();
+  std::vector<std::size_t> seen;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!frames_[i].seen.empty()) seen.push_back(i);
   }
-  passes_ = std::move(starts);
+  std::vector<std::size_t> chosen;
+  const std::size_t count = std::min(seen.size(), kChosenFrames);
+  for (std::size_t i = 1; i <= count; ++i) chosen.push_back(seen[i * seen.size() / count - 1]);
+  search_.emplace(
+      Search{.seen_frames = seen_frames_,
+             .bundle = StartBundle(config_, start_prior(config_, start_, frames_, anchor_, chosen),
+                                   anchor_, frames_, chosen, candidates_),
+             .estimates = {}});
+  std::vector<double> guessed, known, found;
+  for (std::size_t i = 0; i < std::min(candidates_.size(), kSearchedPoints); ++i) {
+    const StartCandidate& candidate = candidates_[i];
+    const auto landmark = std::find_if(at_hand.begin(), at_hand.end(), [&](const Landmark& l) {
+      return l.feature == candidate.reference.feature;
+    });
+    guessed.push_back(candidate.guess);
+    known.push_back(landmark == at_hand.end() ? candidate.guess : landmark->inverse_depth);
+    found.push_back(i < found_.size() ? found_[i].inverse_depth : candidate.guess);
+  }
+  search_->estimates = {search_->bundle.begin(guessed), search_->bundle.begin(known)};
+  if (!found_.empty()) search_->estimates.push_back(search_->bundle.begin(found));
 }
 
-std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& at_hand) {
-  if (told_.empty()) return nullptr;
-  const std::size_t frames = told_.size() - 1;
-  if (std::find(kStarts.begin(), kStarts.end(), frames) != kStarts.end()) begin(at_hand);
-  if (passes_.empty()) return nullptr;
-  // 1. So many pictures a frame, of one start after the other: more would take too long.
-  constexpr std::size_t kSearchedAtOnce = 80;
-  constexpr std::size_t kRetoldAtOnce = 20;
-  std::size_t left = passes_.front().is_search() ? kSearchedAtOnce : kRetoldAtOnce;
-  for (Passes& passes : passes_) {
-    if (passes.is_over() || left == 0) continue;
-    if (retell(passes, passes.is_last ? frames : passes_frames_, left)) judge(passes);
-  }
-  if (!std::all_of(passes_.begin(), passes_.end(), [](const Passes& p) { return p.is_over(); })) {
-    return nullptr;
-  }
-  // 2. The likeliest goes on with weights, and then takes the place of what is at hand.
-  Passes best = std::move(
-      *std::min_element(passes_.begin(), passes_.end(),
-                        [](const Passes& a, const Passes& b) { return a.cost < b.cost; }));
-  passes_.clear();
-  if (best.is_settled && !best.is_last) {
-    const bool is_weighed = !best.is_search();
-    passes_.push_back(passes_about(best.landmarks, is_weighed ? frames : passes_frames_));
-    passes_.back().weighings = kWeighings;
-    passes_.back().is_last = is_weighed;
-    return nullptr;
-  }
-  std::unique_ptr<FusionFilter> told;
-  if (best.is_last && is_believed(best.begun->filter, passes_frames_)) {
-    told = std::make_unique<FusionFilter>(std::move(best.begun->filter));
-  }
-  if (passes_frames_ >= (told ? kEnoughFrames : kStarts.back())) forget();
-  return told;
-}
-
-StartSmoother::Passes StartSmoother::passes_about(const std::vector<Landmark>& landmarks,
-                                                  std::size_t frames) const {
-  Passes passes{.way = way_about(landmarks, frames)};
-  for (const Landmark& l : landmarks) passes.about[l.feature] = {l.inverse_depth, l.stray};
-  return passes;
-}
-
-// Passes about each frame's resection itself, noisy as one frame is, are pulled by that noise,
-// which is the views' own, and settle slowly or elsewhere.
-StartWay StartSmoother::way_about(const std::vector<Landmark>& landmarks,
-                                  std::size_t frames) const {
-  return smoothed_way(config_, start_, std::span(told_).first(frames), landmarks);
-}
-
-// Tells a new filter some more frames, as many as are left, linearised about depths and a way;
-// where no depth is given yet about the guess, which is then given. True once it has been told them
-// all.
-bool StartSmoother::retell(Passes& passes, std::size_t frames, std::size_t& left) const {
-  if (!passes.begun) {
-    FusionConfig config = config_;
-    config.relinearize_start = false;
-    config.depth_correlated_frames = 0;
-    if (passes.is_search()) config.landmarks = std::min(config.landmarks, kSearched);
-    passes.begun = Pass{.filter = FusionFilter(config, start_)};
-  }
-  Pass& again = *passes.begun;
-  for (; left > 0 && again.frames < frames; --left, ++again.frames) {
-    const ToldFrame& frame = told_[again.frames];
-    for (const auto& tell : frame.told) tell(again.filter);
-    for (const Landmark& landmark : again.filter.landmarks()) {
-      passes.about.try_emplace(landmark.feature, StartLandmark{landmark.inverse_depth, {}});
+// True once one is left that has settled with all points, weighed, or none.
+bool StartSmoother::step_all(Search& search) const {
+  constexpr int kStepsAtOnce = 4;
+  const auto has_settled = [](const StartEstimate& e) { return e.step < kSettled; };
+  for (int i = 0; i < kStepsAtOnce; ++i) {
+    for (StartEstimate& estimate : search.estimates) {
+      if (!has_settled(estimate)) search.bundle.step(estimate);
     }
-    const bool has_pose = again.frames < passes.way.size();
-    if (passes.is_last && !has_pose) {
-      again.filter.update_landmarks(frame.seen);  // what came since, as what will come
-    } else {
-      again.cost += again.filter.update_landmarks_about(
-          passes.about, has_pose ? &passes.way[again.frames] : nullptr, frame.seen);
+    if (++search.steps > kMostSteps) std::erase_if(search.estimates, std::not_fn(has_settled));
+    if (search.estimates.empty()) return true;
+    if (!std::all_of(search.estimates.begin(), search.estimates.end(), has_settled)) continue;
+    if (search.weighings == kWeighings) return true;
+    // the likeliest goes on, then weighed by what its points were off by before
+    StartEstimate likeliest =
+        std::move(*std::min_element(search.estimates.begin(), search.estimates.end(),
+                                    [](const auto& a, const auto& b) { return a.cost < b.cost; }));
+    if (!search.bundle.add_rest(likeliest)) {
+      search.bundle.weigh(likeliest);
+      ++search.weighings;
+    }
+    likeliest.step = HUGE_VAL;
+    search.estimates.assign(1, std::move(likeliest));
+    search.steps = 0;
+  }
+  return false;
+}
+
+// Points that stray are no landmarks, and others that were not at hand take their places.
+void StartSmoother::begin_telling(const Search& search) {
+  const StartEstimate& found = search.estimates.front();
+  found_ = found.points;
+  FusionConfig config = config_;
+  config.relinearize_start = false;
+  config.depth_correlated_frames = 0;
+  retold_ = std::make_unique<Retold>(Retold{.filter = FusionFilter(config, start_),
+                                            .landmarks = {},
+                                            .strays = {},
+                                            .about = {},
+                                            .way = search.bundle.way(found),
+                                            .seen_frames = search.seen_frames});
+  for (std::size_t i = 0; i < found.points.size(); ++i) {
+    const StartEstimate::Point& point = found.points[i];
+    const FeatureView& reference = candidates_[i].reference;
+    if (point.stray.value() > config.stray_above_ratio) {
+      retold_->strays.push_back(reference.feature);
+    } else if (std::ssize(retold_->landmarks) < config.landmarks) {
+      retold_->landmarks.push_back(reference);
+      retold_->about[reference.feature] = {point.inverse_depth, point.stray};
     }
   }
-  return again.frames == frames;
+  if (2 * std::ssize(retold_->landmarks) <
+      std::min<std::ptrdiff_t>(config.landmarks, std::ssize(candidates_)))
+    retold_.reset();
 }
 
-// Settled once no depth moves, where all are in view. In the first passes, as many as `weighings`,
-// each landmark is weighed by what its views were off by in the one before.
-void StartSmoother::judge(Passes& passes) const {
-  constexpr double kSettled_sigma = 0.1;
-  passes.is_settled = passes.is_last;
-  if (passes.is_last) return;
-  const Pass again = *std::exchange(passes.begun, std::nullopt);
-  passes.cost = again.cost;
-  passes.landmarks = again.filter.landmarks();
-  passes.way = way_about(passes.landmarks, passes_frames_);
-  const bool weighs = passes.done++ < passes.weighings;
-  passes.is_settled = std::isfinite(again.cost) && !weighs;
-  for (std::size_t i = 0; i < passes.landmarks.size(); ++i) {
-    const Landmark& landmark = passes.landmarks[i];
-    StartLandmark& before = passes.about[landmark.feature];
-    if (std::abs(landmark.inverse_depth - before.inverse_depth) >=
-        kSettled_sigma * again.filter.inverse_depth_sigma(i)) {
-      passes.is_settled = false;
+// True once it has been told all, up to now: what came since the search as what will come.
+bool StartSmoother::tell_more(Retold& again) const {
+  constexpr double kToldAtOnce = 5;
+  constexpr double kAsNew = 5.0 / 3;  // gated, which takes longer
+  for (double left = kToldAtOnce; left > 0 && again.frames < frames_.size(); ++again.frames) {
+    const ToldFrame& frame = frames_[again.frames];
+    for (const auto& tell : frame.before_views) tell(again.filter);
+    if (!frame.seen.empty()) {
+      left -= again.frames < again.way.size() ? 1 : kAsNew;
+      if (!std::exchange(again.has_landmarks, true)) {
+        for (const FeatureView& landmark : again.landmarks) again.filter.add_landmark(landmark);
+        for (const int stray : again.strays) again.filter.give_up(stray);
+      }
+      if (again.frames < again.way.size()) {
+        again.filter.update_landmarks_about(again.about, again.way[again.frames], frame.seen);
+      } else {
+        again.filter.update_landmarks(frame.seen);
+      }
     }
-    before.inverse_depth = landmark.inverse_depth;
-    if (weighs) before.stray = landmark.stray;
+    for (const auto& tell : frame.after_views) tell(again.filter);
   }
+  return again.frames == frames_.size();
 }
 
 }  // namespace stillkite

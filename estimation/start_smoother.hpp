@@ -1,16 +1,16 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "estimation/start_way.hpp"
+#include "estimation/start_bundle.hpp"
 
 namespace stillkite {
 
-/// What a start is gone through again about.
+/// What a frame's landmarks are linearised about.
 struct StartLandmark {
   double inverse_depth = 0;
   RunningRatio stray;
@@ -18,44 +18,53 @@ struct StartLandmark {
 using StartLandmarks = std::map<int, StartLandmark>;  // by features
 
 /// Of a hover's first pictures way and depths are known together or not at all, and a filter
-/// linearises each picture about what it knew by then. Once a few are there, all that the filter
-/// was told is gone through again about the depths and the poses that they tell as a whole, until
-/// these stay: Gauss and Newton's steps on the whole start (iterated Kalman smoother: Bell 1994).
-/// Where they may as well show a turn as a way, twice as many are waited for.
+/// linearises each picture about what it knew by then. Once a few are there, the depths and the way
+/// are found that explain all of them (StartBundle), and all that the filter was told is told to
+/// another one, linearised about these. Where the pictures may as well show a turn as a way, twice
+/// as many are waited for.
 class StartSmoother {
  public:
   /// Remembers nothing where `config.relinearize_start` is off.
   StartSmoother(const FusionConfig& config, const FusionStart& start);
   ~StartSmoother();
-  StartSmoother(const StartSmoother& other);
   StartSmoother(StartSmoother&& other) noexcept;
-  StartSmoother& operator=(const StartSmoother& other);
   StartSmoother& operator=(StartSmoother&& other) noexcept;
 
-  void remember(std::function<void(FusionFilter&)> told);
-  /// The frame is over; of its views those of these features were believed.
-  void close_frame(std::span<const FeatureView> seen, const std::vector<int>& believed);
+  void begin_frame();
+  void remember(ToldFrame::Tell tell);
+  /// The camera, here, is the anchor of the candidates to come.
+  void take_anchor();
+  void offer(const StartCandidate& candidate);
+  /// A frame's features, some of which have corrected the filter.
+  void see(std::span<const FeatureView> seen);
   void forget();
-  /// Goes through so many pictures again as one frame has time for, first about these landmarks.
-  /// Once the passes have settled, and can be no turn: a filter that has been told all, up to now.
+  /// As much as one frame has time for, first about these landmarks. Once the start is known and
+  /// can be no turn: a filter that has been told all, up to now.
   [[nodiscard]] std::unique_ptr<FusionFilter> go_on(const std::vector<Landmark>& at_hand);
 
  private:
-  struct Pass;
-  struct Passes;
-  void begin(const std::vector<Landmark>& at_hand);
-  [[nodiscard]] Passes passes_about(const std::vector<Landmark>& landmarks,
-                                    std::size_t frames) const;
-  [[nodiscard]] StartWay way_about(const std::vector<Landmark>& landmarks,
-                                   std::size_t frames) const;
-  [[nodiscard]] bool retell(Passes& passes, std::size_t frames, std::size_t& left) const;
-  void judge(Passes& passes) const;
+  struct Search {
+    std::size_t seen_frames;
+    StartBundle bundle;
+    std::vector<StartEstimate> estimates;  // one a start, then the likeliest
+    int steps = 0;                         // of those that are there
+    int weighings = 0;
+  };
+  struct Retold;
+  void begin_search(const std::vector<Landmark>& at_hand);
+  [[nodiscard]] bool step_all(Search& search) const;
+  void begin_telling(const Search& search);
+  [[nodiscard]] bool tell_more(Retold& again) const;
 
   FusionConfig config_;
   FusionStart start_;
-  std::vector<ToldFrame> told_;    // since the start, the last frame still open; empty: forgotten
-  std::vector<Passes> passes_;     // those under way, one for each guess of the depths
-  std::size_t passes_frames_ = 0;  // so much of what was told
+  std::vector<ToldFrame> frames_;  // since the start, the last one still open; empty: forgotten
+  std::size_t anchor_ = 0;         // the frame in which it was taken
+  std::vector<StartCandidate> candidates_;
+  std::size_t seen_frames_ = 0;
+  std::optional<Search> search_;
+  std::vector<StartEstimate::Point> found_;  // by the last search, of the candidates in order
+  std::unique_ptr<Retold> retold_;
 };
 
 }  // namespace stillkite

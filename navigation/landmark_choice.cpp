@@ -27,12 +27,22 @@ void LandmarkChoice::choose(FusionFilter& filter, const FeatureBearings& bearing
     if (std::find(dropped.begin(), dropped.end(), feature) != dropped.end()) usable[i] = 0;
   }
   if (std::find(usable.begin(), usable.end(), 1) == usable.end()) return;
+  // as many more as may take the places of those that stray
+  constexpr std::size_t kOffered = 2;
   const auto count = static_cast<std::size_t>(lacking(filter, is_home));
+  const bool is_first_choice = filter.landmarks().empty();
   std::vector<Eigen::Vector2d> at_hand;
   at_hand.reserve(filter.landmarks().size());
   for (const Landmark& landmark : filter.landmarks()) at_hand.push_back(landmark.bearing);
-  for (const std::size_t i : spread_pairs(bearings.pairs, usable, at_hand, count)) {
-    filter.add_landmark(in_reference(bearings, i), bearings.pairs[i].current);
+  const std::vector<std::size_t> chosen =
+      spread_pairs(bearings.pairs, usable, at_hand, is_first_choice ? kOffered * count : count);
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    const FeatureView reference = in_reference(bearings, chosen[k]);
+    if (k < count) {
+      filter.add_landmark(reference, bearings.pairs[chosen[k]].current);
+    } else {
+      filter.offer_landmark(reference);
+    }
   }
 }
 

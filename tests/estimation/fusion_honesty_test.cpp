@@ -125,10 +125,32 @@ TEST(FusionFilter, CovarianceIsHonestAmongStrays) {
   scene.strays = 6;
   scene.stray_px = 6;
   FusionConfig config = white_noise();
-  config.stray_correlated_frames = 0;
+  config.stray_above_ratio = 1000;
   EXPECT_GT(most(nees_by_second(scene, config, 8)), 15) << "the case tells nothing";
-  config.stray_correlated_frames = FusionConfig{}.stray_correlated_frames;
+  config.stray_above_ratio = FusionConfig{}.stray_above_ratio;
   EXPECT_LT(most(nees_by_second(scene, config, 8)), 9);
+}
+
+// What strays in the start is no landmark afterwards; what was offered takes its place.
+TEST(FusionFilter, TakesOthersForLandmarksThatStray) {
+  FusionScene scene = hover_of_unknown_speed();
+  scene.true_noise_ratio = 0.3;
+  scene.strays = 6;
+  scene.stray_px = 6;
+  scene.offered = 24;
+  FusionConfig config = white_noise();
+  config.landmarks = 24;
+  FusionSimulation flight(scene, config, 1);
+  while (flight.time_s() < 3) flight.step();
+  int strays = 0;
+  int others = 0;
+  for (const Landmark& landmark : flight.filter().landmarks()) {
+    if (landmark.feature < scene.strays) ++strays;
+    if (landmark.feature >= config.landmarks) ++others;
+  }
+  EXPECT_LE(strays, 2);  // some stray as a depth would have it
+  EXPECT_GE(others, 4);
+  EXPECT_EQ(std::ssize(flight.filter().landmarks()), config.landmarks);
 }
 
 // Away from where it began, a reference a second: the lengths go from map to map.

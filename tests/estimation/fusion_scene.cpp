@@ -37,16 +37,33 @@ FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig&
   height_error_log_ = config.height_sigma_ratio * normal();
   filter_.take_anchor();
   for (int i = 0; i < config.landmarks; ++i) points_.push_back(add_point(i, scene.scale_error_log));
+  for (int i = 0; i < scene.offered; ++i) points_.push_back(offer_point(config.landmarks + i));
   windows_.resize(points_.size());
   first_bearing_ = (truth_at(0).world_from_camera.inverse() * points_[0]).hnormalized();
 }
 
-Eigen::Vector3d FusionSimulation::add_point(int feature, double error_log) {
+Eigen::Vector2d FusionSimulation::random_bearing() {
   std::uniform_real_distribution<double> uniform(-1, 1);
-  const Eigen::Vector2d bearing(0.8 * uniform(engine_), 0.5 * uniform(engine_));
+  return Eigen::Vector2d(0.8 * uniform(engine_), 0.5 * uniform(engine_));
+}
+
+FeatureView FusionSimulation::reference_of(int feature, const Eigen::Vector2d& bearing) {
   const double noise = scene_.pixel_sigma_px / scene_.focal_px;
-  filter_.add_landmark({feature, bearing + noise * Eigen::Vector2d(normal(), normal()),
-                        noise * noise * Eigen::Matrix2d::Identity()});
+  return {feature, bearing + noise * Eigen::Vector2d(normal(), normal()),
+          noise * noise * Eigen::Matrix2d::Identity()};
+}
+
+// As far as is guessed of what lies ahead.
+Eigen::Vector3d FusionSimulation::offer_point(int feature) {
+  const Eigen::Vector2d bearing = random_bearing();
+  filter_.offer_landmark(reference_of(feature, bearing));
+  const double guess = filter_.landmarks().front().inverse_depth;
+  return truth().world_from_camera * (bearing.homogeneous() / guess);
+}
+
+Eigen::Vector3d FusionSimulation::add_point(int feature, double error_log) {
+  const Eigen::Vector2d bearing = random_bearing();
+  filter_.add_landmark(reference_of(feature, bearing));
   const double guess = filter_.landmarks().back().inverse_depth;
   const double inverse_depth =
       std::max(0.1, 1 + scene_.inverse_depth_spread * normal()) * guess * std::exp(-error_log);

@@ -19,6 +19,7 @@ struct FusionScene {
   double window_error_ratio = 0;       ///< of what windows are off by to the noise, both growing
   double window_error_way = 0.1;       ///< as FusionConfig's
   bool first_moves_backwards = false;  ///< landmark 0 shifts as if it were behind the camera
+  int offered = 0;                     ///< so many points more, which may become landmarks
   int strays = 0;                      ///< so many landmarks are no points
   double stray_px = 0;  ///< each is off to its own side by that, a tenth of its depth away
   double focal_px = 480;
@@ -97,6 +98,9 @@ class FusionSimulation {
   [[nodiscard]] Eigen::Vector3d way_in_depths(std::size_t i) const;
   void renew_anchor();
   Eigen::Vector3d add_point(int feature, double error_log);
+  Eigen::Vector3d offer_point(int feature);
+  [[nodiscard]] FeatureView reference_of(int feature, const Eigen::Vector2d& bearing);
+  [[nodiscard]] Eigen::Vector2d random_bearing();
   [[nodiscard]] double normal() { return normal_(engine_); }
   [[nodiscard]] Eigen::Vector3d normal3() { return {normal(), normal(), normal()}; }
 

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "estimation/fusion_config.hpp"
+#include "estimation/landmark_view.hpp"
+
+namespace stillkite {
+
+class FusionFilter;
+
+/// What a filter was told of a frame, from `FusionFilter::begin_step` on.
+struct ToldFrame {
+  using Tell = std::function<void(FusionFilter&)>;
+  std::vector<Tell> before_views;
+  std::vector<FeatureView> seen;  ///< empty where the landmarks corrected nothing
+  std::vector<Tell> after_views;
+};
+
+/// The camera's poses through a start, by all that was told but the landmarks.
+struct StartPrior {
+  std::vector<RigidTransform> world_from_camera;  ///< a frame each, map units
+  /// Of the errors of all frames' poses (rotation, position; world axes) from the anchor's, six a
+  /// frame, with those of the chosen frames.
+  Eigen::MatrixXd covariance;
+};
+
+/// Of a filter without landmarks, smoothed (Rauch, Tung, Striebel 1965).
+[[nodiscard]] StartPrior start_prior(const FusionConfig& config, const FusionStart& start,
+                                     std::span<const ToldFrame> frames, std::size_t anchor,
+                                     std::span<const std::size_t> chosen);
+
+}  // namespace stillkite
