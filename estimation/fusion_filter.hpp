@@ -94,6 +94,9 @@ class FusionFilter {
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
   /// depth has shown. Gives how many are new.
   int update_ground(bool is_flat);
+  /// A fourth of the landmarks below the camera whose heights are known lie off their median's by a
+  /// tenth and more.
+  [[nodiscard]] bool shows_relief() const;
   /// The map unit becomes the one in which the depths as a whole have no error: what they are all
   /// wrong by is the scale's error from now on, which no view touches. Metres are as before.
   void settle_unit();

@@ -124,6 +124,23 @@ double FusionFilter::height(const Eigen::Vector3d& position) const {
          up(state_).dot(position - start_in_world_);
 }
 
+bool FusionFilter::shows_relief() const {
+  constexpr std::size_t kFewest = 10;
+  constexpr double kRelief = 0.1;
+  constexpr double kSigmas = 3;
+  std::vector<LowLandmark> known = landmarks_below(state_, landmarks_, P_);
+  std::erase_if(known, [](const LowLandmark& low) { return !low.is_known(); });
+  if (known.size() < kFewest) return false;
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end(),
+                   [](const auto& a, const auto& b) { return a.height < b.height; });
+  const double level = middle->height;
+  const auto off = std::count_if(known.begin(), known.end(), [&](const LowLandmark& low) {
+    return std::abs(low.height / level - 1) > kRelief + kSigmas * low.sigma_ratio;
+  });
+  return 4 * off > std::ssize(known);
+}
+
 int FusionFilter::update_ground(bool is_flat) {
   // 1. Landmarks below the camera; where it is flat they are all on the ground, else those of the
   //    lowest level.

@@ -220,8 +220,8 @@ InertialStep FusedNavigator::uncovered_step(const SensorReadings& readings, doub
 }
 
 // The flow takes what it sees for flat and level. Where its own motion does not take the features
-// to where they are, what it sees has depth, and its metres are wrong ones. What looks flat
-// elsewhere than at the start may lie on another level.
+// to where they are, what it sees has depth, and its metres are wrong ones; and so where landmarks
+// lie at different heights. What looks flat elsewhere than at the start may lie on another level.
 void FusedNavigator::judge_ground(bool is_home) {
   if (config_.flat_ground) return;
   constexpr double kMostMisfit = 0.2;
@@ -232,7 +232,7 @@ void FusedNavigator::judge_ground(bool is_home) {
       ground_misfit(reference_.bearings().pairs, flow_from_camera_.inverse() * flow_from_anchor_,
                     ground.normal_in_camera, ground.height_m, kShift_px / camera_.focal_x_px);
   if (!misfit) return;
-  const bool looks_flat = *misfit <= kMostMisfit && (is_home || is_ground_flat_);
+  const bool looks_flat = *misfit <= kMostMisfit && (is_home || is_ground_flat_) && !has_relief_;
   contrary_ = looks_flat == is_ground_flat_ ? 0 : contrary_ + 1;
   if (contrary_ < kInARow) return;
   is_ground_flat_ = looks_flat;
@@ -259,6 +259,7 @@ bool FusedNavigator::see_landmarks(bool is_home) {
   }
   landmarks_.choose(filter_, bearings, reference_.inliers(), is_home);
   const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
+  has_relief_ = filter_.shows_relief();
   // under a later reference the lowest level may be another than the start's
   if (is_ground_flat_ || is_home) filter_.update_ground(is_ground_flat_);
   return taken >= config_.min_landmarks;

@@ -62,8 +62,9 @@ class FusedNavigator {
   Timestamp last_;
   bool is_start_doubted_ = false;  // a sensor has measured its height since
   bool is_ground_flat_;
-  int contrary_ = 0;       // frames in a row that showed otherwise
-  bool has_gyro_ = false;  // since the last frame
+  bool has_relief_ = false;  // by the landmarks' heights
+  int contrary_ = 0;         // frames in a row that showed otherwise
+  bool has_gyro_ = false;    // since the last frame
   // means since the last frame
   double step_s_ = 0;  // the last interval
   Eigen::Vector3d rate_in_camera_rad_s_ = Eigen::Vector3d::Zero();

@@ -261,6 +261,22 @@ TEST(FusionFilter, TellsAScaleThatIsWrongByFarAtOnce) {
   }
 }
 
+// Of fourteen heights four on another level are relief, three are none; nor is what may be noise,
+// or too few of known height.
+TEST(FusionFilter, SeesReliefWhereHeightsDiffer) {
+  const auto shows_relief = [](int low, int high, double high_m, double sigma_ratio) {
+    std::vector<LowPoint> points(static_cast<std::size_t>(low), {3, sigma_ratio});
+    points.insert(points.end(), static_cast<std::size_t>(high), {high_m, sigma_ratio});
+    return filter_with(points).shows_relief();
+  };
+  EXPECT_TRUE(shows_relief(10, 4, 2, 0.01));
+  EXPECT_FALSE(shows_relief(11, 3, 2, 0.01));
+  EXPECT_FALSE(shows_relief(10, 4, 2.8, 0.01));
+  EXPECT_FALSE(shows_relief(10, 4, 2.4, 0.05));
+  EXPECT_FALSE(shows_relief(10, 4, 2, 0.2));
+  EXPECT_FALSE(shows_relief(5, 4, 2, 0.01));
+}
+
 // Depths that were all off by 10 % when they told the scale, and are known since: they tell it
 // again.
 TEST(FusionFilter, TellsTheScaleAgainOnceDepthsAreKnownMuchBetter) {
