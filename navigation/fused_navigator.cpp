@@ -81,8 +81,9 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
 
 NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval& interval,
                                         const SensorReadings& readings) {
-  // 1. Either estimator by itself, the reference's with a vertical.
-  const NavigationEstimate flow = flow_.step(frame, interval, readings);
+  // 1. Either estimator by itself: the flow's picture is not searched for where it is of no use,
+  //    and the reference's is told the vertical.
+  const NavigationEstimate flow = flow_.step(frame, interval, readings, !has_relief_);
   const RigidTransform flow_from_camera = flow.world_from_body * body_from_camera_;
   SensorReadings hints = readings;
   if (!hints.attitude) hints.attitude = guessed_attitude(flow_from_camera);

@@ -56,7 +56,7 @@ KeyframeNavigator::KeyframeNavigator(const Camera& camera, const RigidTransform&
       track_(body_from_camera, config, initial) {}
 
 NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterval& interval,
-                                           const SensorReadings& readings) {
+                                           const SensorReadings& readings, bool may_search) {
   StopWatch watch;
   view_.reset();
   // 1. Halve the picture a few times.
@@ -67,7 +67,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   track_.predict(interval.dt_s, readings);
   // 3. From there find the motion since the keyframe that explains this picture.
   remember_windows(interval);
-  const PlaneAlignment alignment = interval.spoiled ? PlaneAlignment{} : align();
+  const PlaneAlignment alignment = interval.spoiled ? PlaneAlignment{} : align(may_search);
   const double flow_ms = watch.lap_ms();
   // 4. Is it to be trusted?
   const Verdict verdict = interval.spoiled ? *interval.spoiled : judge(alignment);
@@ -104,13 +104,13 @@ NavigationEstimate KeyframeNavigator::start(const Frame& frame, const SensorRead
   return out;
 }
 
-PlaneAlignment KeyframeNavigator::align() {
+PlaneAlignment KeyframeNavigator::align(bool may_search) {
   const PlaneMotion predicted = predicted_motion();
   const bool is_vague = is_prediction_vague();
   if (is_vague) aligned_ = 0;
   const bool learns_speed = aligned_++ < kFramesToLearnSpeed;
   PlaneAlignment best = align_from(predicted, learns_speed);
-  if (!is_vague && judge(best) != Verdict::lost) return best;
+  if (!may_search || (!is_vague && judge(best) != Verdict::lost)) return best;
   PlaneMotion from = predicted;
   bool is_last = true;
   for (const PlaneMotion& guess : searched_motions()) {

@@ -19,8 +19,10 @@ class KeyframeNavigator {
   KeyframeNavigator(const Camera& camera, const RigidTransform& body_from_camera,
                     const NavigatorConfig& config, const InitialState& initial);
 
+  /// Where nothing aligns to the prediction the picture is searched for, which takes several times
+  /// as long, if it may be.
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
-                          const SensorReadings& readings);
+                          const SensorReadings& readings, bool may_search = true);
 
   /// Of the last frame; empty where nothing was aligned.
   [[nodiscard]] std::vector<WindowFlow> windows() const;
@@ -31,7 +33,7 @@ class KeyframeNavigator {
 
  private:
   NavigationEstimate start(const Frame& frame, const SensorReadings& readings);
-  [[nodiscard]] PlaneAlignment align();
+  [[nodiscard]] PlaneAlignment align(bool may_search);
   [[nodiscard]] PlaneMotion predicted_motion() const;
   [[nodiscard]] bool is_prediction_vague() const;
   [[nodiscard]] std::vector<PlaneMotion> searched_motions() const;
