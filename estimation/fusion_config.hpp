@@ -11,7 +11,7 @@ inline constexpr double kCarefulFrames = 300;
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
   double pixel_sigma_px = 0.004;
-  double pixel_noise_ratio = 0.68;
+  double pixel_noise_ratio = 0.54;
   double window_error_ratio = 1.0;
   double window_error_way = 0.03;
   double stray_above_ratio = 1.3;

@@ -14,6 +14,17 @@ namespace {
 using Index = FusionIndex;
 constexpr int kMostRefusals = 5;
 
+// Of the landmarks a fifth is nearer. 0 of none.
+double inverse_depth_of_near(const std::vector<Landmark>& landmarks) {
+  if (landmarks.empty()) return 0;
+  std::vector<double> depths;
+  depths.reserve(landmarks.size());
+  for (const Landmark& landmark : landmarks) depths.push_back(landmark.inverse_depth);
+  const auto near = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() * 4 / 5);
+  std::nth_element(depths.begin(), near, depths.end());
+  return *near;
+}
+
 }  // namespace
 
 void FusionFilter::offer_landmark(const FeatureView& reference) {
@@ -123,25 +134,28 @@ std::optional<std::size_t> FusionFilter::landmark_of(int feature) const {
   return static_cast<std::size_t>(found - landmarks_.begin());
 }
 
-// What a window is off by lasts while the camera stays where it is, and is another elsewhere: a
-// first-order Gauss-Markov process of the way, in depths, about the bearing in the reference.
+// What a window is off by lasts while the picture around it stays the same, and is another where
+// near things have moved before far ones: a first-order Gauss-Markov process of the way, in depths
+// of what is near, about the bearing in the reference.
 void FusionFilter::age_windows(std::span<const FeatureView> seen) {
   const int n = size();
   const Eigen::Vector3d way =
       state_.world_from_camera.translation - state_.world_from_anchor.translation;
+  const double near = inverse_depth_of_near(landmarks_);
   for (const FeatureView& view : seen) {
     const std::optional<std::size_t> i = landmark_of(view.feature);
     if (!i) continue;
     Landmark& landmark = landmarks_[*i];
-    const Eigen::Vector3d in_depths = landmark.inverse_depth * way;
-    const double kept = std::exp(-(in_depths - landmark.way).norm() / config_.window_error_way);
-    landmark.way = in_depths;
+    const double moved = std::max(near, landmark.inverse_depth) * (way - landmark.way).norm();
+    const double kept = std::exp(-moved / config_.window_error_way);
+    landmark.way = way;
     landmark.bearing = landmark.reference + kept * (landmark.bearing - landmark.reference);
     const int column = Index::landmark(*i);
     P_.block(column, 0, 2, n) *= kept;
     P_.block(0, column, n, 2) *= kept;
     P_.block<2, 2>(column, column) += (1 - square(kept)) * square(config_.window_error_ratio) *
-                                      window_growth(config_, landmark.way) * view.covariance;
+                                      window_growth(config_, landmark.inverse_depth * way) *
+                                      view.covariance;
   }
 }
 
@@ -157,7 +171,8 @@ std::vector<LandmarkView> FusionFilter::landmark_views(std::span<const FeatureVi
     if (!i) continue;
     const Landmark& landmark = landmarks_[*i];
     const int depth = Index::landmark(*i) + 2;
-    const Eigen::Matrix2d usual = window_growth(config_, landmark.way) * view.covariance;
+    const Eigen::Matrix2d usual =
+        window_growth(config_, landmark.inverse_depth * landmark.way) * view.covariance;
     Eigen::Matrix2d product = Eigen::Matrix2d::Zero();
     if (!landmark.is_of_start) {
       product = product_covariance(state_, landmark, lasting_way, P_(depth, depth));

@@ -53,7 +53,7 @@ struct Landmark {
   /// What its views are off by, squared, over what others of their frames are: what no point is.
   RunningRatio stray;
   bool is_spare = false;  ///< taken up because most others are out of view
-  /// Of the camera from the anchor when it was last seen, in its depths; world axes.
+  /// Of the camera from the anchor when it was last seen; world axes, map units.
   Eigen::Vector3d way = Eigen::Vector3d::Zero();
 };
 
