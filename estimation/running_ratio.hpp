@@ -5,9 +5,10 @@ namespace stillkite {
 /// The mean of ratios that are 1 as a rule.
 class RunningRatio {
  public:
-  /// Forgotten after a hundred more; none counts for more than 12.5.
+  static constexpr double kMost = 12.5;
+
+  /// Forgotten after a hundred more; none counts for more than `kMost`, for none alone tells.
   void add(double ratio) {
-    constexpr double kMost = 12.5;  // none alone tells
     constexpr double kForgotten = 0.01;
     sum_ += (ratio < kMost ? ratio : kMost) - kForgotten * sum_;
     count_ += 1 - kForgotten * count_;

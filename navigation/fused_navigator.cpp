@@ -255,9 +255,9 @@ double FusedNavigator::correlated_frames() const {
 bool FusedNavigator::see_landmarks(bool is_home) {
   constexpr double kLeastUnitVariance = 0.25;  // coding may repeat a still picture, noise and all
   const FeatureBearings& bearings = reference_.bearings();
-  if (const std::optional<double> found = reference_.unit_variance()) {
-    landmarks_.weigh(std::max(*found, kLeastUnitVariance));
-  }
+  std::optional<double> found = reference_.unit_variance();
+  if (found) found = std::max(*found, kLeastUnitVariance);
+  landmarks_.weigh(found);
   landmarks_.choose(filter_, bearings, reference_.inliers(), is_home);
   const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
   has_relief_ = filter_.shows_relief();

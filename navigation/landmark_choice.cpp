@@ -4,6 +4,15 @@
 
 namespace stillkite {
 
+void LandmarkChoice::weigh(std::optional<double> unit_variance) {
+  last_ = unit_variance.value_or(0);
+  if (unit_variance) mean_.add(*unit_variance);
+}
+
+double LandmarkChoice::unit_variance() const {
+  return last_ > RunningRatio::kMost ? last_ : mean_.value();
+}
+
 std::vector<FeatureView> LandmarkChoice::views(const FeatureBearings& bearings,
                                                const std::vector<unsigned char>& inliers) const {
   std::vector<FeatureView> seen;
@@ -85,7 +94,7 @@ Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings,
       bearings.covariance.empty()
           ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
           : bearings.covariance[pair];
-  const double found = unit_variance_.value();
+  const double found = unit_variance();
   const double alike = std::max(0.0, found - kOwn) * std::max(1.0, config_.landmarks / kEnough);
   return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
          square(config_.pixel_noise_ratio) * (std::min(found, kOwn) + alike) * noise;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "estimation/fusion_filter.hpp"
@@ -15,9 +16,9 @@ class LandmarkChoice {
       : config_(config), focal_px_(focal_px) {}
 
   /// What a frame's features are off by, squared, over what their covariances say.
-  void weigh(double unit_variance) { unit_variance_.add(unit_variance); }
-  /// The mean of it.
-  [[nodiscard]] double unit_variance() const { return unit_variance_.value(); }
+  void weigh(std::optional<double> unit_variance);
+  /// The mean of it, or of a frame that is off by far its own.
+  [[nodiscard]] double unit_variance() const;
   /// Those of the reference before go on under this one's numbers, and others are added where too
   /// few are in view. At home, which will be met again, none that is out of view makes way.
   void choose(FusionFilter& filter, const FeatureBearings& bearings,
@@ -34,7 +35,8 @@ class LandmarkChoice {
 
   FusionConfig config_;
   double focal_px_;
-  RunningRatio unit_variance_;
+  RunningRatio mean_;  // of unit variances
+  double last_ = 0;
 };
 
 }  // namespace stillkite

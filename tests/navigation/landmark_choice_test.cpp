@@ -17,6 +17,18 @@ double told_variance(int landmarks, double unit_variance) {
   return choice.views(bearings, {1}).front().covariance(0, 0);
 }
 
+// One frame of a false pose says nothing of others, but of itself; one of none says nothing.
+TEST(LandmarkChoice, AFrameThatIsOffByFarIsToldSo) {
+  LandmarkChoice choice({}, 500);
+  for (int i = 0; i < 1000; ++i) choice.weigh(1);
+  choice.weigh(300);
+  EXPECT_EQ(choice.unit_variance(), 300);
+  choice.weigh({});
+  EXPECT_NEAR(choice.unit_variance(), 1.1, 0.02);
+  choice.weigh(2);
+  EXPECT_NEAR(choice.unit_variance(), 1.1, 0.02);
+}
+
 // What a lens is off by is alike in neighbours, and no noise that many of them average.
 TEST(LandmarkChoice, MoreLandmarksTellNoMoreThroughALensThatIsNotAsTold) {
   EXPECT_DOUBLE_EQ(told_variance(96, 2), told_variance(48, 2));
