@@ -55,8 +55,8 @@ struct FusionConfig {
         "sigma of what a feature's window is off by as long as the camera stays where it is, over "
         "that of a view");
     field("window_error_way", self.window_error_way, kPositive,
-          "over which that becomes another and both variances grow by one of theirs, as a share of "
-          "the feature's depth");
+          "over which, near the reference, that becomes another and both variances grow by one of "
+          "theirs, as a share of the feature's depth");
     field(
         "stray_above_ratio", self.stray_above_ratio, Range{.min = 1},
         "a landmark whose views are off, squared, by more times what is usual in their frames lies "

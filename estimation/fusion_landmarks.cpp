@@ -136,8 +136,10 @@ std::optional<std::size_t> FusionFilter::landmark_of(int feature) const {
 
 // What a window is off by lasts while the picture around it stays the same, and is another where
 // near things have moved before far ones: a first-order Gauss-Markov process of the way, in depths
-// of what is near, about the bearing in the reference.
+// of what is near, about the bearing in the reference. Further away it lasts the longer, for what
+// grows with the way is alike all along.
 void FusionFilter::age_windows(std::span<const FeatureView> seen) {
+  constexpr double kLonger = 4;
   const int n = size();
   const Eigen::Vector3d way =
       state_.world_from_camera.translation - state_.world_from_anchor.translation;
@@ -146,8 +148,10 @@ void FusionFilter::age_windows(std::span<const FeatureView> seen) {
     const std::optional<std::size_t> i = landmark_of(view.feature);
     if (!i) continue;
     Landmark& landmark = landmarks_[*i];
-    const double moved = std::max(near, landmark.inverse_depth) * (way - landmark.way).norm();
-    const double kept = std::exp(-moved / config_.window_error_way);
+    const double to_depths = std::max(near, landmark.inverse_depth);
+    const double moved = to_depths * (way - landmark.way).norm();
+    const double away = to_depths * std::min(way.norm(), landmark.way.norm());
+    const double kept = std::exp(-moved / (config_.window_error_way + kLonger * away));
     landmark.way = way;
     landmark.bearing = landmark.reference + kept * (landmark.bearing - landmark.reference);
     const int column = Index::landmark(*i);

@@ -170,7 +170,8 @@ Eigen::Vector2d FusionSimulation::stray_error_px(std::size_t i) const {
 Eigen::Vector2d FusionSimulation::window_error_px(std::size_t i) {
   const Eigen::Vector3d way = way_in_depths(i);
   Window& window = windows_[i];
-  const double kept = std::exp(-(way - window.way).norm() / scene_.window_error_way);
+  const double away = std::min(way.norm(), window.way.norm());
+  const double kept = std::exp(-(way - window.way).norm() / (scene_.window_error_way + 4 * away));
   window.way = way;
   const double grown = way.norm() / scene_.window_error_way;
   const double lasting = scene_.window_error_ratio * scene_.pixel_sigma_px *
