@@ -144,8 +144,8 @@ void add_compare(CLI::App& app) {
   command->add_option("config", arguments->config, "YAML file; see: stillkite config")->required();
   command
       ->add_option("--estimators", arguments->estimators,
-                   "Policies, and configurations of your own as NAME:key=value,key=value "
-                   "(default: every policy)")
+                   "Separated by commas: policies, and configurations of your own as "
+                   "NAME:key=value,key=value (default: every policy)")
       ->allow_extra_args(false)
       ->type_name("LIST");
   command

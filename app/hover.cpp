@@ -160,9 +160,10 @@ void add_hover(CLI::App& app) {
   command->add_option("config", arguments->config, "YAML file, such as configs/trials_paper.yaml")
       ->required();
   command
-      ->add_option("--estimators", arguments->estimators,
-                   "Fly the same seeds with each: policies, and configurations of your own as "
-                   "NAME:key=value,key=value (default: the configuration's alone)")
+      ->add_option(
+          "--estimators", arguments->estimators,
+          "Fly the same seeds with each, separated by commas: policies, and configurations of "
+          "your own as NAME:key=value,key=value (default: the configuration's alone)")
       ->allow_extra_args(false)
       ->type_name("LIST");
   command

@@ -59,7 +59,6 @@ InheritedDepths depths_from_camera(const FusionState& state, const std::vector<L
 // A landmark that stays in view is the same point: with its depth all that the lengths of the old
 // map are known by goes over into the new one. Nothing else is left of it.
 void FusionFilter::take_anchor() {
-  if (!landmarks_.empty()) start_.forget();
   start_.take_anchor();
   start_.remember([](FusionFilter& filter) { filter.take_anchor(); });
   const InheritedDepths kept = depths_from_camera(state_, landmarks_, P_);

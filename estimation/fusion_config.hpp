@@ -56,7 +56,7 @@ struct FusionConfig {
         "that of a view");
     field("window_error_way", self.window_error_way, kPositive,
           "over which, near the reference, that becomes another and both variances grow by one of "
-          "theirs, as a share of the feature's depth");
+          "theirs, as a share of depth");
     field(
         "stray_above_ratio", self.stray_above_ratio, Range{.min = 1},
         "a landmark whose views are off, squared, by more times what is usual in their frames lies "

@@ -86,16 +86,17 @@ class FusionFilter {
   /// 160th where these did not suffice, some take several times as long: all that was told is gone
   /// through again (`FusionConfig::relinearize_start`).
   int update_landmarks(std::span<const FeatureView> seen);
-  /// The same, but linearised about these landmarks and that pose. Views that are off from there
+  /// The same, but linearised about these landmarks and these poses. Views that are off from there
   /// by more than the gate are left out.
-  void update_landmarks_about(const StartLandmarks& about, const RigidTransform& world_from_camera,
+  void update_landmarks_about(const StartLandmarks& about, const RigidTransform& world_from_anchor,
+                              const RigidTransform& world_from_camera,
                               std::span<const FeatureView> seen);
   /// Landmarks that lie on the ground, whose height is known: they tell the scale, each once. All
   /// that lie below the camera do where the ground `is_flat`; else those of the lowest level whose
   /// depth has shown. Gives how many are new.
   int update_ground(bool is_flat);
-  /// A fourth of the landmarks below the camera whose heights are known lie off their median's by a
-  /// tenth and more.
+  /// Of the landmarks below the camera whose heights are known, ten or more, a fourth lie off their
+  /// median's by a tenth and three sigma.
   [[nodiscard]] bool shows_relief() const;
   /// The map unit becomes the one in which the depths as a whole have no error: what they are all
   /// wrong by is the scale's error from now on, which no view touches. Metres are as before.
@@ -106,7 +107,8 @@ class FusionFilter {
 
   [[nodiscard]] const FusionState& state() const { return state_; }
   [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
-  /// Features of the anchor that were landmarks until the gate refused them too often.
+  /// Features of the anchor that are to be no landmarks: the gate refused them too often, or they
+  /// strayed in the start.
   [[nodiscard]] const std::vector<int>& dropped() const { return dropped_; }
   /// Metres.
   [[nodiscard]] RigidTransform world_from_camera_m() const;

@@ -96,7 +96,9 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   }
   drop_refused();
   if (is_corrected) {
-    if (const std::unique_ptr<FusionFilter> again = start_.go_on(landmarks_)) adopt(*again);
+    if (const std::unique_ptr<FusionFilter> again = start_.go_on(landmarks_, dropped_)) {
+      adopt(*again);
+    }
   }
   settle_unit();
   return is_corrected ? static_cast<int>(views.size()) : 0;
@@ -148,7 +150,7 @@ void FusionFilter::age_windows(std::span<const FeatureView> seen) {
     const std::optional<std::size_t> i = landmark_of(view.feature);
     if (!i) continue;
     Landmark& landmark = landmarks_[*i];
-    const double to_depths = std::max(near, landmark.inverse_depth);
+    const double to_depths = std::max({near, landmark.inverse_depth, 0.0});
     const double moved = to_depths * (way - landmark.way).norm();
     const double away = to_depths * std::min(way.norm(), landmark.way.norm());
     const double kept = std::exp(-moved / (config_.window_error_way + kLonger * away));

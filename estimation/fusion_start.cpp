@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <utility>
 
@@ -6,24 +7,25 @@
 #include "estimation/landmark_model.hpp"
 
 namespace stillkite {
-namespace {
 
 using Index = FusionIndex;
-
-}  // namespace
 
 // Views are weighed by how landmarks strayed when they were searched for; how they stray now is
 // gathered beside it.
 void FusionFilter::update_landmarks_about(const StartLandmarks& about,
+                                          const RigidTransform& world_from_anchor,
                                           const RigidTransform& world_from_camera,
                                           std::span<const FeatureView> seen) {
-  const RigidTransform predicted = std::exchange(state_.world_from_camera, world_from_camera);
   std::vector<RunningRatio> gathered;
   gathered.reserve(landmarks_.size());
   Eigen::VectorXd offset = Eigen::VectorXd::Zero(size());
-  offset.segment<3>(Index::kRotation) =
-      so3_log(world_from_camera.rotation * predicted.rotation.conjugate());
-  offset.segment<3>(Index::kPosition) = world_from_camera.translation - predicted.translation;
+  const auto move = [&](RigidTransform& pose, const RigidTransform& to, int column) {
+    offset.segment<3>(column) = so3_log(to.rotation * pose.rotation.conjugate());
+    offset.segment<3>(column + 3) = to.translation - pose.translation;
+    pose = to;
+  };
+  move(state_.world_from_camera, world_from_camera, Index::kRotation);
+  move(state_.world_from_anchor, world_from_anchor, Index::kAnchorRotation);
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     Landmark& landmark = landmarks_[i];
     const StartLandmark& linear = about.at(landmark.feature);

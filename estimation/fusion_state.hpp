@@ -64,7 +64,7 @@ struct FusionMap {
   double log_height = 0;
   RigidTransform world_from_anchor;
   std::vector<Landmark> landmarks;
-  std::vector<int> dropped;    ///< features that were landmarks until they were refused too often
+  std::vector<int> dropped;    ///< features that are to be no landmarks (`FusionFilter::dropped`)
   Eigen::MatrixXd covariance;  ///< (tilt, scale, height, anchor's pose, landmarks)
 };
 

@@ -11,12 +11,8 @@
 namespace stillkite {
 namespace {
 
-constexpr Eigen::Index kPoseSize = 6;  // rotation and position
+constexpr Eigen::Index kPoseSize = StartPrior::kPose;
 constexpr Eigen::Index kPoint = 3;
-
-Eigen::Index pose_begin(std::size_t i) {
-  return kPoseSize * static_cast<Eigen::Index>(i);
-}
 
 Eigen::Index point_at(std::size_t i) {
   return kPoint * static_cast<Eigen::Index>(i);
@@ -55,22 +51,28 @@ StartBundle::StartBundle(const FusionConfig& config, StartPrior prior, std::size
       chosen_(chosen),
       candidates_(std::move(candidates)),
       views_(candidates_.size()) {
-  constexpr double kRounding = 1e-14;  // where the prior knows a pose exactly
-  const Eigen::Index size = pose_begin(chosen.size());
+  constexpr double kExact = 1e-14;     // where the prior knows a pose exactly
+  constexpr double kRounding = 1e-12;  // of variances that are differences of large ones
+  const Eigen::Index size = pose_at(chosen.size());
   Eigen::MatrixXd covariance(size, size);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    covariance.middleRows<kPoseSize>(pose_begin(i)) =
-        prior_.covariance.middleRows<kPoseSize>(pose_begin(chosen[i]));
+    covariance.middleRows<kPoseSize>(pose_at(i)) =
+        prior_.covariance.middleRows<kPoseSize>(pose_at(chosen[i]));
   }
-  covariance.diagonal().array() += kRounding;
-  prior_root_ = covariance.llt().matrixL();
+  covariance.diagonal() *= 1 + kRounding;
+  covariance.diagonal().array() += kExact;
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  is_prior_sound_ = factor.info() == Eigen::Success;
+  prior_root_ = factor.matrixL();
   std::map<int, std::size_t> candidate_of;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     candidate_of[candidates_[i].reference.feature] = i;
   }
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     for (const FeatureView& view : frames[chosen[i]].seen) {
-      views_[candidate_of.at(view.feature)].push_back({i, view.bearing, view.covariance});
+      const auto candidate = candidate_of.find(view.feature);
+      if (candidate == candidate_of.end()) continue;
+      views_[candidate->second].push_back({i, view.bearing, view.covariance});
     }
   }
 }
@@ -126,11 +128,11 @@ Eigen::Matrix2d StartBundle::usual_covariance(const View& view, const StartEstim
 }
 
 Eigen::VectorXd StartBundle::prior_error(const StartEstimate& estimate) const {
-  Eigen::VectorXd error(pose_begin(chosen_.size()));
+  Eigen::VectorXd error(pose_at(chosen_.size()));
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     const RigidTransform& prior = prior_.world_from_camera[chosen_[i]];
     const RigidTransform& pose = estimate.world_from_camera[i];
-    error.segment<kPoseSize>(pose_begin(i)) << so3_log(prior.rotation * pose.rotation.conjugate()),
+    error.segment<kPoseSize>(pose_at(i)) << so3_log(prior.rotation * pose.rotation.conjugate()),
         prior.translation - pose.translation;
   }
   return error;
@@ -138,7 +140,7 @@ Eigen::VectorXd StartBundle::prior_error(const StartEstimate& estimate) const {
 
 StartBundle::Equations StartBundle::equations(const StartEstimate& estimate) const {
   const std::size_t count = estimate.points.size();
-  const Eigen::Index poses = pose_begin(chosen_.size());
+  const Eigen::Index poses = pose_at(chosen_.size());
   Equations out{.information = Eigen::MatrixXd::Zero(poses, poses),
                 .pull = Eigen::VectorXd::Zero(poses),
                 .A = Eigen::MatrixXd::Zero(point_at(count), poses),
@@ -171,7 +173,7 @@ StartBundle::Equations StartBundle::equations(const StartEstimate& estimate) con
       const Eigen::Vector2d residual = view.bearing - seen->bearing;
       const Eigen::Matrix<double, 2, 6> by_pose = noise.solve(seen->by_pose);
       const Eigen::Matrix<double, 2, 3> by_point = noise.solve(seen->by_landmark);
-      const Eigen::Index at = pose_begin(view.frame);
+      const Eigen::Index at = pose_at(view.frame);
       out.information.block<kPoseSize, kPoseSize>(at, at).noalias() +=
           seen->by_pose.transpose() * by_pose;
       out.pull.segment<kPoseSize>(at).noalias() += by_pose.transpose() * residual;
@@ -196,8 +198,9 @@ StartBundle::Equations StartBundle::equations(const StartEstimate& estimate) con
 // With P = L L^T the poses' prior covariance, e its mean's error, N and b their equations: the
 // step e + L y, (1 + L^T N L) y = L^T (b - N e).
 void StartBundle::step(StartEstimate& estimate) const {
-  const Equations of = equations(estimate);
   estimate.cost = HUGE_VAL;
+  if (!is_prior_sound_) return;
+  const Equations of = equations(estimate);
   if (!std::isfinite(of.squared)) return;
   const auto L = prior_root_.triangularView<Eigen::Lower>();
   const Eigen::VectorXd e = prior_error(estimate);
@@ -213,10 +216,10 @@ void StartBundle::step(StartEstimate& estimate) const {
   if (factor.info() != Eigen::Success || !points.allFinite()) return;
   const double least = e.dot(Ne) - 2 * of.pull.dot(e) - right.dot(y);
   estimate.cost = of.squared + least + of.log_determinant + log_determinant(factor);
-  estimate.step = L.solve(e).squaredNorm() - least;
+  estimate.step = of.a.squaredNorm() + L.solve(e).squaredNorm() - least;
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     RigidTransform& pose = estimate.world_from_camera[i];
-    pose = moved(pose, poses.segment<kPoseSize>(pose_begin(i)));
+    pose = moved(pose, poses.segment<kPoseSize>(pose_at(i)));
   }
   for (std::size_t i = 0; i < estimate.points.size(); ++i) {
     const Eigen::Vector3d error = of.L[i].triangularView<Eigen::Lower>().transpose().solve(
@@ -244,6 +247,7 @@ void StartBundle::weigh(StartEstimate& estimate) const {
   for (std::size_t i = 0; i < estimate.points.size(); ++i) {
     StartEstimate::Point& point = estimate.points[i];
     point.stray = {};
+    point.views = 0;
     for (const View& view : views_[i]) {
       const auto seen = project_landmark(estimate.world_from_camera[view.frame], world_from_anchor_,
                                          point.bearing, point.inverse_depth);
@@ -261,7 +265,9 @@ void StartBundle::weigh(StartEstimate& estimate) const {
     constexpr double kLeast = 0.25;
     const double usual = std::max(kLeast, usual_error(std::move(squared)));
     for (const Error& error : frame) {
-      estimate.points[error.point].stray.add(error.squared / usual);
+      StartEstimate::Point& point = estimate.points[error.point];
+      point.stray.add(error.squared / usual);
+      ++point.views;
     }
   }
 }
@@ -272,7 +278,7 @@ std::vector<RigidTransform> StartBundle::way(const StartEstimate& estimate) cons
   const Eigen::VectorXd errors = prior_.covariance * told;
   std::vector<RigidTransform> way = prior_.world_from_camera;
   for (std::size_t i = 0; i < way.size(); ++i) {
-    way[i] = moved(way[i], errors.segment<kPoseSize>(pose_begin(i)));
+    way[i] = moved(way[i], errors.segment<kPoseSize>(pose_at(i)));
   }
   return way;
 }

@@ -23,6 +23,7 @@ struct StartEstimate {
     Eigen::Vector2d bearing;  ///< on z = 1 of the anchor
     double inverse_depth = 0;
     RunningRatio stray;
+    int views = 0;  ///< that told how it strays
   };
   std::vector<Point> points;
   std::vector<RigidTransform> world_from_camera;
@@ -38,14 +39,16 @@ struct StartEstimate {
 /// to last.
 class StartBundle {
  public:
-  /// The anchor is the camera at the end of a frame. The chosen frames, in order, have views.
+  /// The anchor is the camera at the end of a frame. The chosen frames, in order, have views; those
+  /// of no candidates are left out.
   StartBundle(const FusionConfig& config, StartPrior prior, std::size_t anchor,
               std::span<const ToldFrame> frames, const std::vector<std::size_t>& chosen,
               std::vector<StartCandidate> candidates);
 
   /// Points of these inverse depths, and the poses that they tell.
   [[nodiscard]] StartEstimate begin(const std::vector<double>& inverse_depths) const;
-  /// Where a point cannot be seen from where it is said to be the cost is infinite.
+  /// Where a point cannot be seen from where it is said to be, or nothing can be solved, the cost
+  /// is infinite.
   void step(StartEstimate& estimate) const;
   /// The candidates that are no points yet, as they are guessed. False: there are none.
   bool add_rest(StartEstimate& estimate) const;
@@ -53,6 +56,9 @@ class StartBundle {
   void weigh(StartEstimate& estimate) const;
   /// The camera in all frames.
   [[nodiscard]] std::vector<RigidTransform> way(const StartEstimate& estimate) const;
+
+  [[nodiscard]] const std::vector<StartCandidate>& candidates() const { return candidates_; }
+  [[nodiscard]] const RigidTransform& world_from_anchor() const { return world_from_anchor_; }
 
  private:
   struct View {
@@ -76,6 +82,7 @@ class StartBundle {
   std::vector<StartCandidate> candidates_;
   std::vector<std::vector<View>> views_;  // of each candidate
   Eigen::MatrixXd prior_root_;            // L of the chosen poses' covariance L L^T
+  bool is_prior_sound_ = false;
 };
 
 }  // namespace stillkite

@@ -21,10 +21,6 @@ struct Step {
   OwnMatrix gain = OwnMatrix::Zero();
 };
 
-Eigen::Index pose_at(std::size_t i) {
-  return kPose * static_cast<Eigen::Index>(i);
-}
-
 OwnVector error_between(const FusionState& truth, const FusionState& state) {
   OwnVector error;
   error << so3_log(truth.world_from_camera.rotation * state.world_from_camera.rotation.conjugate()),
@@ -101,15 +97,25 @@ StartPrior start_prior(const FusionConfig& config, const FusionStart& start,
   std::vector<std::size_t> some(chosen.begin(), chosen.end());
   some.push_back(anchor);
   StartPrior prior = smoothed(filtered(FusionFilter(without_landmarks, start), frames), some);
-  // of e_k - e_a and e_j - e_a
+  // Of e_k - A_k e_a and e_j - A_j e_a: the anchor's turn takes along what is away from it.
+  const RigidTransform& world_from_anchor = prior.world_from_camera[anchor];
+  const auto by_anchor = [&](std::size_t frame) {
+    Matrix6d A = Matrix6d::Identity();
+    A.bottomLeftCorner<3, 3>() = -skew(Eigen::Vector3d(prior.world_from_camera[frame].translation -
+                                                       world_from_anchor.translation));
+    return A;
+  };
   const Eigen::MatrixXd C = prior.covariance;
   const Matrix6d C_aa = C.block<kPose, kPose>(pose_at(anchor), C.cols() - kPose);
   prior.covariance.conservativeResize(C.rows(), C.cols() - kPose);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const Matrix6d C_ka = C.block<kPose, kPose>(pose_at(k), C.cols() - kPose);
+    const Matrix6d A_k = by_anchor(k);
     for (std::size_t j = 0; j < chosen.size(); ++j) {
-      const auto C_aj = C.block<kPose, kPose>(pose_at(anchor), pose_at(j));
-      prior.covariance.block<kPose, kPose>(pose_at(k), pose_at(j)) += C_aa - C_ka - C_aj;
+      const Matrix6d C_aj = C.block<kPose, kPose>(pose_at(anchor), pose_at(j));
+      const Matrix6d A_j_t = by_anchor(chosen[j]).transpose();
+      prior.covariance.block<kPose, kPose>(pose_at(k), pose_at(j)) +=
+          A_k * (C_aa * A_j_t - C_aj) - C_ka * A_j_t;
     }
   }
   return prior;

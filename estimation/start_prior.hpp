@@ -22,11 +22,17 @@ struct ToldFrame {
 
 /// The camera's poses through a start, by all that was told but the landmarks.
 struct StartPrior {
+  static constexpr Eigen::Index kPose = 6;  ///< errors of one: rotation and position, world axes
   std::vector<RigidTransform> world_from_camera;  ///< a frame each, map units
-  /// Of the errors of all frames' poses (rotation, position; world axes) from the anchor's, six a
-  /// frame, with those of the chosen frames.
+  /// Of the errors of all frames' poses, if the anchor's is where it is said to be, with those of
+  /// the chosen frames.
   Eigen::MatrixXd covariance;
 };
+
+/// Where a frame's errors begin.
+[[nodiscard]] inline Eigen::Index pose_at(std::size_t frame) {
+  return StartPrior::kPose * static_cast<Eigen::Index>(frame);
+}
 
 /// Of a filter without landmarks, smoothed (Rauch, Tung, Striebel 1965).
 [[nodiscard]] StartPrior start_prior(const FusionConfig& config, const FusionStart& start,

@@ -16,10 +16,11 @@ constexpr std::size_t kEnoughFrames = 40;    // of which one that is believed is
 constexpr std::size_t kChosenFrames = 20;    // of them, for depths and way to be found in
 constexpr std::size_t kSearchedPoints = 64;  // tell starts apart
 constexpr int kMostSteps = 21;
+constexpr int kFewestViews = 5;  // of a point, among the chosen frames
 constexpr int kWeighings = 3;
 constexpr double kSettled = 0.1;                // squared length of a step, in sigmas
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
-constexpr std::size_t kMostFrames = 1000;       // the same
+constexpr std::size_t kMostFrames = 400;        // the same
 
 // Where the way is short for the noise, what it turns the landmarks by may as well be a turn, and
 // the likeliest start is off by more than its covariance tells. To be believed the turn must be
@@ -48,6 +49,7 @@ struct StartSmoother::Retold {
   std::vector<FeatureView> landmarks;  // as the anchor sees them
   std::vector<int> strays;
   StartLandmarks about;
+  RigidTransform world_from_anchor;
   std::vector<RigidTransform> way;  // of the frames that were searched
   std::size_t seen_frames = 0;      // of these, those with views
   std::size_t frames = 0;
@@ -76,12 +78,12 @@ void StartSmoother::remember(ToldFrame::Tell tell) {
 }
 
 void StartSmoother::take_anchor() {
-  candidates_.clear();
+  if (seen_frames_ > 0 || !candidates_.empty()) return forget();
   if (!frames_.empty()) anchor_ = frames_.size() - 1;
 }
 
 void StartSmoother::offer(const StartCandidate& candidate) {
-  if (frames_.empty()) return;
+  if (frames_.empty() || std::ssize(candidates_) >= 2 * config_.landmarks) return;
   const bool is_known = std::any_of(candidates_.begin(), candidates_.end(), [&](const auto& c) {
     return c.reference.feature == candidate.reference.feature;
   });
@@ -101,19 +103,22 @@ void StartSmoother::see(std::span<const FeatureView> seen) {
 
 void StartSmoother::forget() {
   frames_.clear();
+  candidates_.clear();
   search_.reset();
   retold_.reset();
 }
 
-std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& at_hand) {
+std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& at_hand,
+                                                   const std::vector<int>& given_up) {
   if (frames_.empty()) return nullptr;
   if (std::find(kStarts.begin(), kStarts.end(), seen_frames_) != kStarts.end()) {
-    begin_search(at_hand);
+    begin_search(at_hand, given_up);
     return nullptr;
   }
   if (search_ && step_all(*search_)) {
     if (!search_->estimates.empty()) begin_telling(*search_);
     search_.reset();
+    if (!retold_ && seen_frames_ >= kStarts.back()) forget();
     return nullptr;
   }
   if (!retold_ || !tell_more(*retold_)) return nullptr;
@@ -129,8 +134,12 @@ std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& 
 
 // The nearest answer to the guesses is at times a false one, as is that of the filter itself, or of
 // a longer way. What 20 frames tell may be one of these, and 40 from the guesses show it, or 80.
-void StartSmoother::begin_search(const std::vector<Landmark>& at_hand) {
+void StartSmoother::begin_search(const std::vector<Landmark>& at_hand,
+                                 const std::vector<int>& given_up) {
   retold_.reset();
+  std::erase_if(candidates_, [&](const StartCandidate& c) {
+    return std::find(given_up.begin(), given_up.end(), c.reference.feature) != given_up.end();
+  });
   std::vector<std::size_t> seen;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     if (!frames_[i].seen.empty()) seen.push_back(i);
@@ -151,7 +160,8 @@ void StartSmoother::begin_search(const std::vector<Landmark>& at_hand) {
     });
     guessed.push_back(candidate.guess);
     known.push_back(landmark == at_hand.end() ? candidate.guess : landmark->inverse_depth);
-    found.push_back(i < found_.size() ? found_[i].inverse_depth : candidate.guess);
+    const auto before = found_.find(candidate.reference.feature);
+    found.push_back(before == found_.end() ? candidate.guess : before->second.inverse_depth);
   }
   search_->estimates = {search_->bundle.begin(guessed), search_->bundle.begin(known)};
   if (!found_.empty()) search_->estimates.push_back(search_->bundle.begin(found));
@@ -161,11 +171,13 @@ void StartSmoother::begin_search(const std::vector<Landmark>& at_hand) {
 bool StartSmoother::step_all(Search& search) const {
   constexpr int kStepsAtOnce = 4;
   const auto has_settled = [](const StartEstimate& e) { return e.step < kSettled; };
+  const auto has_failed = [](const StartEstimate& e) { return !std::isfinite(e.cost); };
   for (int i = 0; i < kStepsAtOnce; ++i) {
     for (StartEstimate& estimate : search.estimates) {
       if (!has_settled(estimate)) search.bundle.step(estimate);
     }
-    if (++search.steps > kMostSteps) std::erase_if(search.estimates, std::not_fn(has_settled));
+    std::erase_if(search.estimates, has_failed);
+    if (++search.steps >= kMostSteps) std::erase_if(search.estimates, std::not_fn(has_settled));
     if (search.estimates.empty()) return true;
     if (!std::all_of(search.estimates.begin(), search.estimates.end(), has_settled)) continue;
     if (search.weighings == kWeighings) return true;
@@ -187,7 +199,6 @@ bool StartSmoother::step_all(Search& search) const {
 // Points that stray are no landmarks, and others that were not at hand take their places.
 void StartSmoother::begin_telling(const Search& search) {
   const StartEstimate& found = search.estimates.front();
-  found_ = found.points;
   FusionConfig config = config_;
   config.relinearize_start = false;
   config.depth_correlated_frames = 0;
@@ -195,18 +206,22 @@ void StartSmoother::begin_telling(const Search& search) {
                                             .landmarks = {},
                                             .strays = {},
                                             .about = {},
+                                            .world_from_anchor = search.bundle.world_from_anchor(),
                                             .way = search.bundle.way(found),
                                             .seen_frames = search.seen_frames});
+  found_.clear();
   for (std::size_t i = 0; i < found.points.size(); ++i) {
     const StartEstimate::Point& point = found.points[i];
-    const FeatureView& reference = candidates_[i].reference;
+    const FeatureView& reference = search.bundle.candidates()[i].reference;
+    found_[reference.feature] = {point.inverse_depth, point.stray};
+    if (point.views < kFewestViews) continue;
     if (point.stray.value() > config.stray_above_ratio) {
       retold_->strays.push_back(reference.feature);
     } else if (std::ssize(retold_->landmarks) < config.landmarks) {
       retold_->landmarks.push_back(reference);
-      retold_->about[reference.feature] = {point.inverse_depth, point.stray};
     }
   }
+  retold_->about = found_;
   if (2 * std::ssize(retold_->landmarks) <
       std::min<std::ptrdiff_t>(config.landmarks, std::ssize(candidates_)))
     retold_.reset();
@@ -226,7 +241,8 @@ bool StartSmoother::tell_more(Retold& again) const {
         for (const int stray : again.strays) again.filter.give_up(stray);
       }
       if (again.frames < again.way.size()) {
-        again.filter.update_landmarks_about(again.about, again.way[again.frames], frame.seen);
+        again.filter.update_landmarks_about(again.about, again.world_from_anchor,
+                                            again.way[again.frames], frame.seen);
       } else {
         again.filter.update_landmarks(frame.seen);
       }

@@ -32,15 +32,18 @@ class StartSmoother {
 
   void begin_frame();
   void remember(ToldFrame::Tell tell);
-  /// The camera, here, is the anchor of the candidates to come.
+  /// The camera, here, is the anchor of the candidates to come. After those of another one nothing
+  /// is remembered any more.
   void take_anchor();
   void offer(const StartCandidate& candidate);
   /// A frame's features, some of which have corrected the filter.
   void see(std::span<const FeatureView> seen);
   void forget();
-  /// As much as one frame has time for, first about these landmarks. Once the start is known and
-  /// can be no turn: a filter that has been told all, up to now.
-  [[nodiscard]] std::unique_ptr<FusionFilter> go_on(const std::vector<Landmark>& at_hand);
+  /// As much as one frame has time for, first about these landmarks, without the features that
+  /// were given up. Once the start is known and can be no turn: a filter that has been told all,
+  /// up to now.
+  [[nodiscard]] std::unique_ptr<FusionFilter> go_on(const std::vector<Landmark>& at_hand,
+                                                    const std::vector<int>& given_up);
 
  private:
   struct Search {
@@ -51,7 +54,7 @@ class StartSmoother {
     int weighings = 0;
   };
   struct Retold;
-  void begin_search(const std::vector<Landmark>& at_hand);
+  void begin_search(const std::vector<Landmark>& at_hand, const std::vector<int>& given_up);
   [[nodiscard]] bool step_all(Search& search) const;
   void begin_telling(const Search& search);
   [[nodiscard]] bool tell_more(Retold& again) const;
@@ -63,7 +66,7 @@ class StartSmoother {
   std::vector<StartCandidate> candidates_;
   std::size_t seen_frames_ = 0;
   std::optional<Search> search_;
-  std::vector<StartEstimate::Point> found_;  // by the last search, of the candidates in order
+  StartLandmarks found_;  // by the last search
   std::unique_ptr<Retold> retold_;
 };
 

@@ -94,6 +94,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   predict(readings, frame.stamp, reference);
   take_readings(readings, frame.stamp);
   // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
+  landmarks_.weigh(reference_.unit_variance());
   flow_from_camera_ = flow_from_camera;
   if (flow.verdict == Verdict::ok) judge_ground(reference.reference->is_home);
   const bool flow_taken = is_ground_flat_ && see_ground();
@@ -253,14 +254,11 @@ double FusedNavigator::correlated_frames() const {
 }
 
 bool FusedNavigator::see_landmarks(bool is_home) {
-  constexpr double kLeastUnitVariance = 0.25;  // coding may repeat a still picture, noise and all
   const FeatureBearings& bearings = reference_.bearings();
-  std::optional<double> found = reference_.unit_variance();
-  if (found) found = std::max(*found, kLeastUnitVariance);
-  landmarks_.weigh(found);
   landmarks_.choose(filter_, bearings, reference_.inliers(), is_home);
   const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
-  has_relief_ = filter_.shows_relief();
+  has_relief_ = !config_.flat_ground && filter_.shows_relief();
+  if (has_relief_) is_ground_flat_ = false;
   // under a later reference the lowest level may be another than the start's
   if (is_ground_flat_ || is_home) filter_.update_ground(is_ground_flat_);
   return taken >= config_.min_landmarks;

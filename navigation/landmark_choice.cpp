@@ -5,8 +5,9 @@
 namespace stillkite {
 
 void LandmarkChoice::weigh(std::optional<double> unit_variance) {
+  constexpr double kLeast = 0.25;  // coding may repeat a still picture, noise and all
   last_ = unit_variance.value_or(0);
-  if (unit_variance) mean_.add(*unit_variance);
+  if (unit_variance) mean_.add(std::max(*unit_variance, kLeast));
 }
 
 double LandmarkChoice::unit_variance() const {
@@ -21,7 +22,7 @@ std::vector<FeatureView> LandmarkChoice::views(const FeatureBearings& bearings,
     if (inliers[i] == 0) continue;
     seen.push_back({.feature = static_cast<int>(bearings.feature_of_pair[i]),
                     .bearing = bearings.pairs[i].current,
-                    .covariance = covariance(bearings, i)});
+                    .covariance = covariance(bearings, i, unit_variance())});
   }
   return seen;
 }
@@ -78,14 +79,14 @@ int LandmarkChoice::lacking(FusionFilter& filter, bool is_home) const {
 FeatureView LandmarkChoice::in_reference(const FeatureBearings& bearings, std::size_t pair) const {
   return {.feature = static_cast<int>(bearings.feature_of_pair[pair]),
           .bearing = bearings.pairs[pair].reference,
-          .covariance = covariance(bearings, pair)};
+          .covariance = covariance(bearings, pair, mean_.value())};
 }
 
 // On z = 1. Noise and coding make windows err a few times more than is told, each its own way. What
 // exceeds that is a lens or a clock that is not as told, alike all around: from how many landmarks
 // on more tell no more of it.
 Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings,
-                                           std::size_t pair) const {
+                                           std::size_t pair, double found) const {
   constexpr double kUntold_px = 0.1;
   constexpr double kOwn = 4;
   constexpr double kEnough = 48;
@@ -94,7 +95,6 @@ Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings,
       bearings.covariance.empty()
           ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
           : bearings.covariance[pair];
-  const double found = unit_variance();
   const double alike = std::max(0.0, found - kOwn) * std::max(1.0, config_.landmarks / kEnough);
   return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
          square(config_.pixel_noise_ratio) * (std::min(found, kOwn) + alike) * noise;

@@ -31,7 +31,8 @@ class LandmarkChoice {
   void number(FusionFilter& filter, const FeatureBearings& bearings) const;
   [[nodiscard]] int lacking(FusionFilter& filter, bool is_home) const;
   [[nodiscard]] FeatureView in_reference(const FeatureBearings& bearings, std::size_t pair) const;
-  [[nodiscard]] Eigen::Matrix2d covariance(const FeatureBearings& bearings, std::size_t pair) const;
+  [[nodiscard]] Eigen::Matrix2d covariance(const FeatureBearings& bearings, std::size_t pair,
+                                           double unit_variance) const;
 
   FusionConfig config_;
   double focal_px_;
