@@ -11,7 +11,6 @@
 namespace stillkite {
 namespace {
 
-constexpr Eigen::Index kPoseSize = StartPrior::kPose;
 constexpr Eigen::Index kPoint = 3;
 
 Eigen::Index point_at(std::size_t i) {
@@ -56,8 +55,8 @@ StartBundle::StartBundle(const FusionConfig& config, StartPrior prior, std::size
   const Eigen::Index size = pose_at(chosen.size());
   Eigen::MatrixXd covariance(size, size);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    covariance.middleRows<kPoseSize>(pose_at(i)) =
-        prior_.covariance.middleRows<kPoseSize>(pose_at(chosen[i]));
+    covariance.middleRows<kPose>(pose_at(i)) =
+        prior_.covariance.middleRows<kPose>(pose_at(chosen[i]));
   }
   covariance.diagonal() *= 1 + kRounding;
   covariance.diagonal().array() += kExact;
@@ -132,7 +131,7 @@ Eigen::VectorXd StartBundle::prior_error(const StartEstimate& estimate) const {
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     const RigidTransform& prior = prior_.world_from_camera[chosen_[i]];
     const RigidTransform& pose = estimate.world_from_camera[i];
-    error.segment<kPoseSize>(pose_at(i)) << so3_log(prior.rotation * pose.rotation.conjugate()),
+    error.segment<kPose>(pose_at(i)) << so3_log(prior.rotation * pose.rotation.conjugate()),
         prior.translation - pose.translation;
   }
   return error;
@@ -174,10 +173,9 @@ StartBundle::Equations StartBundle::equations(const StartEstimate& estimate) con
       const Eigen::Matrix<double, 2, 6> by_pose = noise.solve(seen->by_pose);
       const Eigen::Matrix<double, 2, 3> by_point = noise.solve(seen->by_landmark);
       const Eigen::Index at = pose_at(view.frame);
-      out.information.block<kPoseSize, kPoseSize>(at, at).noalias() +=
-          seen->by_pose.transpose() * by_pose;
-      out.pull.segment<kPoseSize>(at).noalias() += by_pose.transpose() * residual;
-      X_t.middleCols<kPoseSize>(at).noalias() += by_point.transpose() * seen->by_pose;
+      out.information.block<kPose, kPose>(at, at).noalias() += seen->by_pose.transpose() * by_pose;
+      out.pull.segment<kPose>(at).noalias() += by_pose.transpose() * residual;
+      X_t.middleCols<kPose>(at).noalias() += by_point.transpose() * seen->by_pose;
       V.noalias() += by_point.transpose() * seen->by_landmark;
       g.noalias() += by_point.transpose() * residual;
       out.squared += residual.dot(noise.solve(residual));
@@ -219,7 +217,7 @@ void StartBundle::step(StartEstimate& estimate) const {
   estimate.step = of.a.squaredNorm() + L.solve(e).squaredNorm() - least;
   for (std::size_t i = 0; i < chosen_.size(); ++i) {
     RigidTransform& pose = estimate.world_from_camera[i];
-    pose = moved(pose, poses.segment<kPoseSize>(pose_at(i)));
+    pose = moved(pose, poses.segment<kPose>(pose_at(i)));
   }
   for (std::size_t i = 0; i < estimate.points.size(); ++i) {
     const Eigen::Vector3d error = of.L[i].triangularView<Eigen::Lower>().transpose().solve(
@@ -278,7 +276,7 @@ std::vector<RigidTransform> StartBundle::way(const StartEstimate& estimate) cons
   const Eigen::VectorXd errors = prior_.covariance * told;
   std::vector<RigidTransform> way = prior_.world_from_camera;
   for (std::size_t i = 0; i < way.size(); ++i) {
-    way[i] = moved(way[i], errors.segment<kPoseSize>(pose_at(i)));
+    way[i] = moved(way[i], errors.segment<kPose>(pose_at(i)));
   }
   return way;
 }

@@ -10,7 +10,6 @@ namespace {
 using Index = FusionIndex;
 using OwnMatrix = FusionFilter::OwnMatrix;
 using OwnVector = Eigen::Matrix<double, OwnMatrix::RowsAtCompileTime, 1>;
-constexpr Eigen::Index kPose = 6;  // rotation and position come first
 
 // A frame after all that it was told, and how its errors follow from the next one's.
 struct Step {

@@ -20,9 +20,11 @@ struct ToldFrame {
   std::vector<Tell> after_views;
 };
 
+/// Errors of a pose: rotation and position, world axes.
+inline constexpr Eigen::Index kPose = 6;
+
 /// The camera's poses through a start, by all that was told but the landmarks.
 struct StartPrior {
-  static constexpr Eigen::Index kPose = 6;  ///< errors of one: rotation and position, world axes
   std::vector<RigidTransform> world_from_camera;  ///< a frame each, map units
   /// Of the errors of all frames' poses, if the anchor's is where it is said to be, with those of
   /// the chosen frames.
@@ -31,7 +33,7 @@ struct StartPrior {
 
 /// Where a frame's errors begin.
 [[nodiscard]] inline Eigen::Index pose_at(std::size_t frame) {
-  return StartPrior::kPose * static_cast<Eigen::Index>(frame);
+  return kPose * static_cast<Eigen::Index>(frame);
 }
 
 /// Of a filter without landmarks, smoothed (Rauch, Tung, Striebel 1965).
