@@ -85,8 +85,8 @@ FeatureView LandmarkChoice::in_reference(const FeatureBearings& bearings, std::s
 // On z = 1. Noise and coding make windows err a few times more than is told, each its own way. What
 // exceeds that is a lens or a clock that is not as told, alike all around: from how many landmarks
 // on more tell no more of it.
-Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings,
-                                           std::size_t pair, double found) const {
+Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings, std::size_t pair,
+                                           double unit_variance) const {
   constexpr double kUntold_px = 0.1;
   constexpr double kOwn = 4;
   constexpr double kEnough = 48;
@@ -95,9 +95,10 @@ Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings,
       bearings.covariance.empty()
           ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
           : bearings.covariance[pair];
-  const double alike = std::max(0.0, found - kOwn) * std::max(1.0, config_.landmarks / kEnough);
+  const double alike =
+      std::max(0.0, unit_variance - kOwn) * std::max(1.0, config_.landmarks / kEnough);
   return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
-         square(config_.pixel_noise_ratio) * (std::min(found, kOwn) + alike) * noise;
+         square(config_.pixel_noise_ratio) * (std::min(unit_variance, kOwn) + alike) * noise;
 }
 
 }  // namespace stillkite
