@@ -40,21 +40,5 @@ TEST(StartSmoother, ForgetsAStartWhoseAnchorIsLeft) {
   EXPECT_EQ(count_told_again(true), 0);
 }
 
-// What the main filter has given up is no landmark of the start.
-TEST(StartSmoother, LeavesOutWhatWasGivenUp) {
-  FusionConfig config;
-  config.landmarks = 2;
-  StartSmoother start(config, FusionStart{});
-  start.take_anchor();
-  for (int feature = 0; feature < 4; ++feature) {
-    start.offer({.reference = view_of(feature), .guess = 0.3});
-  }
-  for (int frame = 0; frame < 200; ++frame) {
-    start.begin_frame();
-    start.see(std::vector<FeatureView>{view_of(0), view_of(1), view_of(2), view_of(3)});
-    EXPECT_EQ(start.go_on({}, {0, 1, 2, 3}), nullptr) << frame;
-  }
-}
-
 }  // namespace
 }  // namespace stillkite
