@@ -71,14 +71,18 @@ AttitudeReading HoverSensors::read_attitude(const DroneTruth& truth, Timestamp n
 }
 
 // Means since the last reading, as of a sensor that filters before it samples: what happens between
-// two of its readings is in the second.
+// two of its readings is in the second. What sets the drone off at the start, at once, is not felt.
 ImuReading HoverSensors::exact_imu(const DroneTruth& truth, Timestamp now) {
-  const Inertia inertia{now, truth.world_from_body.rotation, truth.velocity_in_world_m_s};
-  const Inertia last = std::exchange(last_inertia_, inertia).value_or(inertia);
+  const Eigen::Quaterniond& attitude = truth.world_from_body.rotation;
+  const Eigen::Vector3d& velocity_m_s = truth.velocity_in_world_m_s;
+  const Inertia last = last_inertia_.value_or(Inertia{now, attitude, {}});
+  last_inertia_ = {now, attitude, last_inertia_ ? std::optional(velocity_m_s) : std::nullopt};
   const double dt_s = std::max(seconds_between(last.stamp, now), 1e-9);
-  const Eigen::Vector3d acceleration_m_s2 = (inertia.velocity_m_s - last.velocity_m_s) / dt_s;
-  return {now, so3_log(last.world_from_body.conjugate() * inertia.world_from_body) / dt_s,
-          inertia.world_from_body.conjugate() * (acceleration_m_s2 - gravity_in_world_m_s2())};
+  const Eigen::Vector3d acceleration_m_s2 =
+      (velocity_m_s - last.velocity_m_s.value_or(velocity_m_s)) / dt_s;
+  return {now, so3_log(last.world_from_body.conjugate() * attitude) / dt_s,
+          last.world_from_body.slerp(0.5, attitude).conjugate() *
+              (acceleration_m_s2 - gravity_in_world_m_s2())};
 }
 
 double HoverSensors::known_height_m(double height_m) const {

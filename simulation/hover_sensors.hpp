@@ -77,7 +77,7 @@ class HoverSensors {
   struct Inertia {
     Timestamp stamp;
     Eigen::Quaterniond world_from_body;
-    Eigen::Vector3d velocity_m_s;
+    std::optional<Eigen::Vector3d> velocity_m_s;  // none before the first step
   };
 
   [[nodiscard]] TetherSample read_tether(const DroneTruth& truth, Timestamp now);

@@ -54,10 +54,18 @@ void TetheredDrone::step(const TetherCommand& command, const Disturbance& distur
     advance(limited, disturbance.wind_in_world_m_s, step_s);
     yaw_.value += disturbance.yaw_kick_rad / steps;
     place(disturbance.loose_tether_m);
-    truth_.velocity_in_world_m_s =
-        (truth_.world_from_body.translation - last.world_from_body.translation) / step_s;
+    remember_mean_velocity(
+        (truth_.world_from_body.translation - last.world_from_body.translation) / step_s, step_s);
     truth_.yaw_rate_rad_s = (yaw_.value - last_yaw_rad) / step_s;
   }
+}
+
+// Means hold half way through their steps.
+void TetheredDrone::remember_mean_velocity(const Eigen::Vector3d& mean_m_s, double step_s) {
+  const MeanVelocity last = mean_velocity_.value_or(MeanVelocity{mean_m_s, step_s});
+  truth_.velocity_in_world_m_s =
+      mean_m_s + step_s / (step_s + last.step_s) * (mean_m_s - last.in_world_m_s);
+  mean_velocity_ = {mean_m_s, step_s};
 }
 
 // r' = (command - r) / lag and x' = r over a duration with a constant command.

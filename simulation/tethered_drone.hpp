@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -58,7 +59,8 @@ struct EnumNames<TetherStatus> {
        {TetherStatus::slack_by_fault, "slack: the reel is at fault"}});
 };
 
-/// Truth. Velocity and rate are means over the last internal step.
+/// Truth. The velocity is that of now, by the means over the last two internal steps; the yaw rate
+/// is a mean over the last one.
 struct DroneTruth {
   RigidTransform world_from_body;    ///< level: Rz(yaw)
   RigidTransform world_from_camera;  ///< gimbal: tilt and roll of the camera do not change
@@ -101,6 +103,11 @@ class TetheredDrone {
   [[nodiscard]] static Axis stopped_at_ends(const Axis& axis, double low, double high);
   void advance(const TetherCommand& limited, const Eigen::Vector3d& wind, double duration_s);
   void place(double loose_tether_m);
+  struct MeanVelocity {
+    Eigen::Vector3d in_world_m_s;
+    double step_s;
+  };
+  void remember_mean_velocity(const Eigen::Vector3d& mean_m_s, double step_s);
 
   TetheredDroneConfig config_;
   RigidTransform body_from_camera_;
@@ -110,6 +117,7 @@ class TetheredDrone {
   Axis azimuth_;
   Axis yaw_;
   Eigen::Vector3d felt_wind_in_world_m_s_ = Eigen::Vector3d::Zero();
+  std::optional<MeanVelocity> mean_velocity_;  // over the last step
   DroneTruth truth_;
 };
 
