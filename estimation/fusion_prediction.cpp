@@ -43,8 +43,10 @@ Carried carried(const FusionState& state, const InertialStep& step) {
   if (step.angular_rate_rad_s) out.rate_rad_s = *step.angular_rate_rad_s;
   if (step.is_gyro && step.angular_rate_rad_s) out.rate_rad_s -= state.gyro_bias_rad_s;
   if (step.specific_force_m_s2) {
-    out.force_in_world_m_s2 =
-        state.world_from_camera.rotation * (*step.specific_force_m_s2 - state.accel_bias_m_s2);
+    // half way through the step, for what gravity does in a turn
+    out.force_in_world_m_s2 = state.world_from_camera.rotation *
+                              so3_exp(0.5 * step.dt_s * out.rate_rad_s) *
+                              (*step.specific_force_m_s2 - state.accel_bias_m_s2);
   }
   return out;
 }

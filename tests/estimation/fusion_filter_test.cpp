@@ -23,6 +23,21 @@ TEST(FusionFilter, FindsTheScaleByItsInertia) {
   EXPECT_LT(flight.pose_error().head<3>().norm(), 0.02);
 }
 
+// A mean force is that of half way: taken for that of the step's beginning it would be a speed.
+TEST(FusionFilter, KeepsItsPlaceInATurnOnTheSpot) {
+  constexpr double kStep_s = 1.0 / 100;
+  const Eigen::Vector3d rate_rad_s(2, 0, 0);
+  FusionFilter filter({}, {.world_from_camera = {Eigen::Quaterniond::Identity(), {0, 0, 1}}});
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Quaterniond half_way = so3_exp((i + 0.5) * kStep_s * rate_rad_s);
+    filter.predict({.dt_s = kStep_s,
+                    .angular_rate_rad_s = rate_rad_s,
+                    .is_gyro = true,
+                    .specific_force_m_s2 = half_way.conjugate() * Eigen::Vector3d(0, 0, 9.80665)});
+  }
+  EXPECT_LT(filter.velocity_in_world_m_s().norm(), 1e-3);
+}
+
 // Without any metric sensor the way home is known as a direction, the scale as at the start.
 TEST(FusionFilter, LearnsNoScaleFromPicturesAlone) {
   FusionScene scene;
