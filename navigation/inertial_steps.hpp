@@ -9,8 +9,9 @@
 
 namespace stillkite {
 
-/// The interval's readings, each carrying on to its own stamp; what they leave open up to `to` has
-/// none. Readings that are not finite, or out of turn, are left out.
+/// The interval's readings, each carrying on to its own stamp, and the last one up to `to` where
+/// that is no more than 20 ms later: a picture falls between two of them. What they leave open else
+/// has none. Readings that are not finite, or out of turn, are left out.
 [[nodiscard]] std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
                                                        Timestamp from, Timestamp to,
                                                        const Eigen::Quaterniond& body_from_camera);

@@ -32,6 +32,10 @@ std::vector<InertialReading> HoverInbox::take_inertial(Timestamp until) {
     taken.push_back(inertial_.front());
     inertial_.pop_front();
   }
+  if (!inertial_.empty()) {
+    taken.push_back(inertial_.front());
+    taken.back().stamp = until;
+  }
   return taken;
 }
 

@@ -21,8 +21,8 @@ class HoverInbox {
   /// With the picture of this instant, which the IMU stamps.
   [[nodiscard]] const Eigen::Quaterniond& attitude() const { return attitude_; }
 
-  /// Beside a picture of that stamp and attitude, for a command now; inertial readings are handed
-  /// out once.
+  /// Beside a picture of that stamp and attitude, for a command now. Inertial readings are handed
+  /// out once, but for the one during which it was taken: cut there, and again with the next.
   [[nodiscard]] TetheredReadings readings(Timestamp stamp, const Eigen::Quaterniond& attitude,
                                           Timestamp now);
 
