@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "navigation/keyframe_navigator.hpp"
 #include "rendered_flight.hpp"
 
 namespace stillkite {
@@ -74,6 +75,20 @@ INSTANTIATE_TEST_SUITE_P(Navigator, FastStart,
                                          FastFlight{320, 240, 40, 0, "forest.jpg"},
                                          FastFlight{640, 480, 100, 30, "shore_a.jpg"},
                                          FastFlight{640, 480, 70, 0, "field_weak_texture.jpg"}));
+
+// A search takes several times as long as an alignment: where the flow is of no use it is left out.
+TEST(KeyframeNavigator, SearchesAPictureOnlyWhereItMay) {
+  const test::RenderedFlight flight = test::film(config_of({320, 240, 70}));
+  for (const bool may_search : {true, false}) {
+    KeyframeNavigator navigator(flight.record.camera, flight.record.body_from_camera, {},
+                                flight.start());
+    FrameClock clock(1);
+    (void)navigator.step(flight.frames[0], clock.pass(flight.frames[0]), {}, may_search);
+    const NavigationEstimate second =
+        navigator.step(flight.frames[1], clock.pass(flight.frames[1]), {}, may_search);
+    EXPECT_EQ(second.verdict == Verdict::ok, may_search) << name_of(second.verdict);
+  }
+}
 
 // Half a second of a flight is missing: 3 m at 40 m, which the speed foretells.
 TEST(Gap, IsBridgedByTheSpeedAndTheNextFrameAligns) {
