@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "estimation/fusion_filter.hpp"
@@ -8,6 +9,9 @@ namespace stillkite {
 namespace {
 
 using Index = FusionIndex;
+// Begin what changes with the map's unit.
+constexpr std::array<int, 4> kWays{Index::kPosition, Index::kVelocity, Index::kKeyframePosition,
+                                   Index::kStepStart};
 constexpr int kUnnumbered = -1;
 // what belongs to a map beside its landmarks: tilt, scale, height, the anchor's pose
 constexpr int kMapSize = Index::kKeyframeRotation - Index::kTilt;
@@ -123,9 +127,23 @@ FusionMap FusionFilter::map() const {
   return map;
 }
 
+// What is known of way and velocity is known in metres, whatever a map's unit is, and as far as it
+// was due to the scale it is due to the map's. With w the way (or velocity) in units, e_s the error
+// of the unit's logarithm and b e_s what of an error in metres is due to it, that in units is the
+// rest + (b - w) e_s.
 void FusionFilter::restore(const FusionMap& map) {
   start_.forget();
+  add_scale_error(ways());
   change_unit(std::exp(state_.log_scale - map.log_scale));
+  constexpr int kScaleOfMap = Index::kScale - Index::kTilt;
+  const double map_variance = map.covariance(kScaleOfMap, kScaleOfMap);
+  Eigen::VectorXd due =
+      P_.col(Index::kScale).head(size()) / std::max(map_variance, P_(Index::kScale, Index::kScale));
+  due.segment<kMapSize>(Index::kTilt).setZero();
+  due.tail(size() - Index::kLandmarks).setZero();
+  P_.topLeftCorner(size(), size()) -= map_variance * due * due.transpose();
+  due -= ways();
+  const Eigen::Matrix<double, Index::kLandmarks, 1> by_scale = due.head<Index::kLandmarks>();
   state_.gravity_tilt_rad = map.gravity_tilt_rad;
   state_.log_scale = map.log_scale;
   state_.log_height = map.log_height;
@@ -146,6 +164,28 @@ void FusionFilter::restore(const FusionMap& map) {
       map.covariance.topRightCorner(kMapSize, landmarks);
   P_.block(Index::kLandmarks, Index::kTilt, landmarks, kMapSize) =
       map.covariance.bottomLeftCorner(landmarks, kMapSize);
+  Eigen::VectorXd with_landmarks = Eigen::VectorXd::Zero(n);
+  with_landmarks.head<Index::kLandmarks>() = by_scale;
+  add_scale_error(with_landmarks);
+}
+
+// Of the camera's, the keyframe's and the last step's way, and the velocity, map units.
+Eigen::VectorXd FusionFilter::ways() const {
+  Eigen::VectorXd ways = Eigen::VectorXd::Zero(size());
+  ways.segment<3>(Index::kPosition) = state_.world_from_camera.translation - start_in_world_;
+  ways.segment<3>(Index::kVelocity) = state_.velocity_in_world;
+  ways.segment<3>(Index::kKeyframePosition) =
+      state_.world_from_keyframe.translation - start_in_world_;
+  ways.segment<3>(Index::kStepStart) = state_.step_start - start_in_world_;
+  return ways;
+}
+
+// So many times that of the unit's logarithm, to each.
+void FusionFilter::add_scale_error(const Eigen::VectorXd& times) {
+  auto P = P_.topLeftCorner(size(), size());
+  const Eigen::VectorXd shared = P.col(Index::kScale);
+  P += times * shared.transpose() + shared * times.transpose() +
+       shared[Index::kScale] * times * times.transpose();
 }
 
 // Of the camera's, the keyframe's and the last step's way and of the velocity: so many of the new
@@ -156,8 +196,7 @@ void FusionFilter::change_unit(double ratio) {
     *place = start_in_world_ + ratio * (*place - start_in_world_);
   }
   state_.velocity_in_world *= ratio;
-  for (const int first :
-       {Index::kPosition, Index::kVelocity, Index::kKeyframePosition, Index::kStepStart}) {
+  for (const int first : kWays) {
     P_.middleRows<3>(first) *= ratio;
     P_.middleCols<3>(first) *= ratio;
   }

@@ -148,6 +148,8 @@ class FusionFilter {
   void inject(const Eigen::VectorXd& error);
   void clone(int original, int count, int copy);
   void change_unit(double ratio);
+  [[nodiscard]] Eigen::VectorXd ways() const;
+  void add_scale_error(const Eigen::VectorXd& times);
   [[nodiscard]] Eigen::Matrix3d way_covariance() const;
   [[nodiscard]] Eigen::Matrix3d metric_covariance(int first, const Eigen::Vector3d& value) const;
   // 2. Which landmarks there are.

@@ -92,6 +92,27 @@ TEST(FusionFilter, ARestoredMapTellsThePlaceAndAnHonestCovariance) {
   EXPECT_LT(nees, kHigh);
 }
 
+// The map was left with a scale that was hardly known, and the IMU has told it since: the speed is
+// known in metres, and is another one in the map's units.
+TEST(FusionFilter, ARestoredMapOfAVagueScaleIsNoSurprise) {
+  constexpr int kSeeds = 30;
+  double nees = 0;
+  FusionScene scene;
+  scene.scale_error_log = 0.2;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    FusionSimulation flight(scene, few_landmarks(), static_cast<std::uint64_t>(seed) + 900);
+    for (int i = 0; i < 45; ++i) flight.step();
+    const FusionMap home = flight.filter().map();
+    for (int i = 0; i < 250; ++i) flight.step();
+    flight.filter().restore(home);
+    for (int i = 0; i < 30; ++i) flight.step();
+    const Vector6d error = flight.pose_error();
+    nees += error.dot(flight.filter().pose_covariance().ldlt().solve(error)) / kSeeds;
+  }
+  std::printf("NEES %.2f\n", nees);
+  EXPECT_LT(nees, 10);
+}
+
 TEST(FusionFilter, CovarianceIsHonestWithAnImu) {
   expect_not_too_sure(nees_by_second(FusionScene{}, few_landmarks()));
 }
