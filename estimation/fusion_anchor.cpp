@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "estimation/fusion_filter.hpp"
@@ -9,9 +8,6 @@ namespace stillkite {
 namespace {
 
 using Index = FusionIndex;
-// Begin what changes with the map's unit.
-constexpr std::array<int, 4> kWays{Index::kPosition, Index::kVelocity, Index::kKeyframePosition,
-                                   Index::kStepStart};
 constexpr int kUnnumbered = -1;
 // what belongs to a map beside its landmarks: tilt, scale, height, the anchor's pose
 constexpr int kMapSize = Index::kKeyframeRotation - Index::kTilt;
@@ -196,7 +192,8 @@ void FusionFilter::change_unit(double ratio) {
     *place = start_in_world_ + ratio * (*place - start_in_world_);
   }
   state_.velocity_in_world *= ratio;
-  for (const int first : kWays) {
+  for (const int first :
+       {Index::kPosition, Index::kVelocity, Index::kKeyframePosition, Index::kStepStart}) {
     P_.middleRows<3>(first) *= ratio;
     P_.middleCols<3>(first) *= ratio;
   }
