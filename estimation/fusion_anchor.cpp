@@ -139,7 +139,6 @@ void FusionFilter::restore(const FusionMap& map) {
   due.tail(size() - Index::kLandmarks).setZero();
   P_.topLeftCorner(size(), size()) -= map_variance * due * due.transpose();
   due -= ways();
-  const Eigen::Matrix<double, Index::kLandmarks, 1> by_scale = due.head<Index::kLandmarks>();
   state_.gravity_tilt_rad = map.gravity_tilt_rad;
   state_.log_scale = map.log_scale;
   state_.log_height = map.log_height;
@@ -160,9 +159,8 @@ void FusionFilter::restore(const FusionMap& map) {
       map.covariance.topRightCorner(kMapSize, landmarks);
   P_.block(Index::kLandmarks, Index::kTilt, landmarks, kMapSize) =
       map.covariance.bottomLeftCorner(landmarks, kMapSize);
-  Eigen::VectorXd with_landmarks = Eigen::VectorXd::Zero(n);
-  with_landmarks.head<Index::kLandmarks>() = by_scale;
-  add_scale_error(with_landmarks);
+  due.conservativeResizeLike(Eigen::VectorXd::Zero(n));
+  add_scale_error(due);
 }
 
 // Of the camera's, the keyframe's and the last step's way, and the velocity, map units.

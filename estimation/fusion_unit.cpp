@@ -57,15 +57,10 @@ void FusionFilter::settle_unit() {
   if (!unit) return;
   // lengths grow with the logarithm of their number of units
   const int n = size();
-  Eigen::VectorXd by_unit = Eigen::VectorXd::Zero(n);
-  by_unit.segment<3>(Index::kPosition) = state_.world_from_camera.translation - start_in_world_;
-  by_unit.segment<3>(Index::kVelocity) = state_.velocity_in_world;
+  Eigen::VectorXd by_unit = ways();
   by_unit(Index::kScale) = -1;
   by_unit.segment<3>(Index::kAnchorPosition) =
       state_.world_from_anchor.translation - start_in_world_;
-  by_unit.segment<3>(Index::kKeyframePosition) =
-      state_.world_from_keyframe.translation - start_in_world_;
-  by_unit.segment<3>(Index::kStepStart) = state_.step_start - start_in_world_;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     by_unit(Index::landmark(i) + 2) = -landmarks_[i].inverse_depth;
   }
