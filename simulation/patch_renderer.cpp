@@ -54,10 +54,13 @@ BearingBounds bounds_of(const BearingTable& bearings, int first_row, int rows, i
   return bounds_between(low, high, sees_all);
 }
 
-// Evenly within (0, 1) over the samples of a pixel, in an order unlike theirs.
+// Evenly within (0, 1) over the samples of a pixel, in an order unlike theirs. Two that lie opposite
+// each other have the same, so that those of either level have their middle where the pixel has its.
 float rounding_of(int sample, int samples) {
-  const int place = sample * (samples / 2 + 1) % samples;
-  return (static_cast<float>(place) + 0.5F) / static_cast<float>(samples);
+  constexpr int kStride = 3;
+  const int pairs = (samples + 1) / 2;
+  const int pair = std::min(sample, samples - 1 - sample);
+  return (static_cast<float>(kStride * pair % pairs) + 0.5F) / static_cast<float>(pairs);
 }
 
 struct TilePlace {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -228,6 +229,54 @@ TEST(PatchRenderer, KeepsAPictureInItsPlaceOnEveryLevel) {
                         patch);
       EXPECT_NEAR(patch.at<float>(0, 0), u, 0.5) << texel_m;
     }
+  }
+}
+
+// Of waves along both axes of a patch that is seen from straight ahead at `distance_m`: how far
+// they are drawn beside where they are, in pixels.
+Eigen::Vector2d wave_shift_px(double distance_m) {
+  constexpr double kTexel_m = 0.02;
+  constexpr double kWave_texels = 7;
+  constexpr double kRate = 2 * std::numbers::pi / kWave_texels;
+  cv::Mat waves(700, 700, CV_8UC1);
+  for (int v = 0; v < waves.rows; ++v) {
+    for (int u = 0; u < waves.cols; ++u) {
+      waves.at<std::uint8_t>(v, u) =
+          cv::saturate_cast<std::uint8_t>(128 + 60 * std::sin(kRate * u) + 60 * std::sin(kRate * v));
+    }
+  }
+  const Patch patch = upright({distance_m, 0, 0}, 14, 14,
+                              std::make_shared<GroundTexture>(waves, kTexel_m));
+  const Camera camera = small_camera();
+  const RigidTransform pose = looking_ahead(0, 90, {0, 0, 0});
+  const cv::Mat picture = PatchRenderer(camera, 4).render({.patches = {patch}}, pose);
+  using Vector5d = Eigen::Matrix<double, 5, 1>;
+  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
+  Vector5d right = Vector5d::Zero();
+  for (int row = 30; row < 130; ++row) {
+    for (int column = 60; column < 180; ++column) {
+      const Ray ray = ray_of(pose, *undistort(camera, {double(column), double(row)}));
+      const Eigen::Vector3d point = distance_m / ray.direction_in_world.x() * ray.direction_in_world;
+      const Eigen::Vector3d from_corner = (point - patch.corner_in_world_m) / kTexel_m;
+      const double u = -kRate * from_corner.y();
+      const double v = -kRate * from_corner.z();
+      Vector5d waves_there;
+      waves_there << 1, std::sin(u), std::cos(u), std::sin(v), std::cos(v);
+      normal += waves_there * waves_there.transpose();
+      right += waves_there * picture.at<float>(row, column);
+    }
+  }
+  const Vector5d wave = normal.ldlt().solve(right);
+  const double px_a_texel = kTexel_m * camera.focal_x_px / distance_m;
+  return px_a_texel / kRate *
+         Eigen::Vector2d(std::atan2(wave[2], wave[1]), std::atan2(wave[4], wave[3]));
+}
+
+// Between two pyramid levels some of a pixel's samples show the finer one, some the coarser: what
+// only the finer shows must not lie where those samples do.
+TEST(PatchRenderer, ShiftsNothingBetweenTwoLevels) {
+  for (double distance_m = 3.5; distance_m < 7; distance_m *= 1.07) {
+    EXPECT_LT(wave_shift_px(distance_m).cwiseAbs().maxCoeff(), 0.003) << distance_m;
   }
 }
 
