@@ -102,7 +102,7 @@ struct FusionConfig {
           "variance of their product is taken that many times, until the start has been gone "
           "through again");
     field("relinearize_start", self.relinearize_start,
-          "what was seen of the first reference is gone through again, once 20 and 40 frames of it "
+          "what was seen of the first reference is gone through again, once 16 and 32 frames of it "
           "are there and later where these do not suffice, about the depths that it tells as a "
           "whole");
     field("scale_correlated_s", self.scale_correlated_s, kNotNegative,

@@ -150,7 +150,7 @@ StartBundle::Equations StartBundle::equations(const StartEstimate& estimate) con
     const StartCandidate& candidate = candidates_[i];
     Eigen::Matrix3d prior = Eigen::Matrix3d::Zero();
     prior.topLeftCorner<2, 2>() = candidate.reference.covariance;
-    prior(2, 2) = square(config_.inverse_depth_sigma_ratio * candidate.guess);
+    prior(2, 2) = square(estimate.vagueness * config_.inverse_depth_sigma_ratio * candidate.guess);
     const Eigen::LLT<Eigen::Matrix3d> prior_factor(prior);
     Eigen::Vector3d from_prior;
     from_prior << candidate.reference.bearing - point.bearing,
@@ -228,6 +228,7 @@ void StartBundle::step(StartEstimate& estimate) const {
 }
 
 bool StartBundle::add_rest(StartEstimate& estimate) const {
+  estimate.vagueness = kVagueness;
   if (estimate.points.size() == candidates_.size()) return false;
   for (std::size_t i = estimate.points.size(); i < candidates_.size(); ++i) {
     estimate.points.push_back(

@@ -17,6 +17,10 @@ struct StartCandidate {
   double guess = 0;       ///< of its inverse depth, 1 / map units
 };
 
+/// Guesses tell one start from another. Then they are told to be off by this many times more: a
+/// hundred of them would draw far points near, where a short way tells little, and turn the camera.
+inline constexpr double kVagueness = 2;
+
 /// Where points are, the first so many of the candidates, and the camera in the chosen frames.
 struct StartEstimate {
   struct Point {
@@ -27,6 +31,8 @@ struct StartEstimate {
   };
   std::vector<Point> points;
   std::vector<RigidTransform> world_from_camera;
+  /// Sigma of a guessed depth, over `inverse_depth_sigma_ratio`.
+  double vagueness = 1;
   /// -2 log likelihood of the views, but for what estimates of the same points share.
   double cost = HUGE_VAL;
   /// Squared length of the last step, in its sigmas.
@@ -50,7 +56,8 @@ class StartBundle {
   /// Where a point cannot be seen from where it is said to be, or nothing can be solved, the cost
   /// is infinite.
   void step(StartEstimate& estimate) const;
-  /// The candidates that are no points yet, as they are guessed. False: there are none.
+  /// The candidates that are no points yet, as they are guessed. False: there are none. Guesses
+  /// are vaguer from here on.
   bool add_rest(StartEstimate& estimate) const;
   /// Points that are off by more than others of their frames weigh less from here on.
   void weigh(StartEstimate& estimate) const;

@@ -11,14 +11,14 @@
 namespace stillkite {
 namespace {
 
-constexpr std::array<std::size_t, 4> kStarts{20, 40, 80, 160};  // of so many frames
-constexpr std::size_t kEnoughFrames = 40;    // of which one that is believed is the last
+constexpr std::array<std::size_t, 4> kStarts{16, 32, 64, 128};  // of so many frames
+constexpr std::size_t kEnoughFrames = 32;    // of which one that is believed is the last
 constexpr std::size_t kChosenFrames = 20;    // of them, for depths and way to be found in
 constexpr std::size_t kSearchedPoints = 64;  // tell starts apart
 constexpr int kMostSteps = 21;
 constexpr int kFewestViews = 5;  // of a point, among the chosen frames
 constexpr int kWeighings = 3;
-constexpr double kSettled = 0.1;                // squared length of a step, in sigmas
+constexpr double kSettled = 1;                  // squared length of a step, in sigmas
 constexpr std::size_t kMostToldBetween = 2000;  // while nothing is seen
 constexpr std::size_t kMostFrames = 400;        // the same
 
@@ -41,6 +41,16 @@ bool is_believed(const FusionFilter& filter, std::size_t frames) {
   return turn_sigma < most * way * *middle;
 }
 
+// Of points whose errors last, those that stray are given up: the furthest off from what they agree
+// on. The rest agree better than their noise, and by as much less than all would their mean is
+// known. The variance of a mean so trimmed (Huber 1981, section 3.3) over what as many untrimmed
+// tell, for errors of two components, of whose squares, exponentially distributed, a share is cut.
+double trimmed_growth(double share) {
+  if (share <= 0) return 1;
+  const double kept = 1 - share;
+  return kept / (kept + share * std::log(share));
+}
+
 }  // namespace
 
 // A filter that is told the start again, so far up to a frame.
@@ -52,6 +62,7 @@ struct StartSmoother::Retold {
   RigidTransform world_from_anchor;
   std::vector<RigidTransform> way;  // of the frames that were searched
   std::size_t seen_frames = 0;      // of these, those with views
+  double growth = 1;                // of these views' covariance
   std::size_t frames = 0;
   bool has_landmarks = false;
 };
@@ -133,7 +144,7 @@ std::unique_ptr<FusionFilter> StartSmoother::go_on(const std::vector<Landmark>& 
 }
 
 // The nearest answer to the guesses is at times a false one, as is that of the filter itself, or of
-// a longer way. What 20 frames tell may be one of these, and 40 from the guesses show it, or 80.
+// a longer way. What 16 frames tell may be one of these, and 32 from the guesses show it, or 64.
 void StartSmoother::begin_search(const std::vector<Landmark>& at_hand,
                                  const std::vector<int>& given_up) {
   retold_.reset();
@@ -196,10 +207,12 @@ bool StartSmoother::step_all(Search& search) const {
   return false;
 }
 
-// Points that stray are no landmarks, and others that were not at hand take their places.
+// Points that stray are no landmarks, and others that were not at hand take their places. What a
+// few frames see, from about one place, is off alike in all of them.
 void StartSmoother::begin_telling(const Search& search) {
   const StartEstimate& found = search.estimates.front();
   FusionConfig config = config_;
+  config.inverse_depth_sigma_ratio *= kVagueness;
   config.relinearize_start = false;
   config.depth_correlated_frames = 0;
   retold_ = std::make_unique<Retold>(Retold{.filter = FusionFilter(config, start_),
@@ -209,6 +222,7 @@ void StartSmoother::begin_telling(const Search& search) {
                                             .world_from_anchor = search.bundle.world_from_anchor(),
                                             .way = search.bundle.way(found),
                                             .seen_frames = search.seen_frames});
+  std::vector<FeatureView>& landmarks = retold_->landmarks;
   found_.clear();
   for (std::size_t i = 0; i < found.points.size(); ++i) {
     const StartEstimate::Point& point = found.points[i];
@@ -217,14 +231,23 @@ void StartSmoother::begin_telling(const Search& search) {
     if (point.views < kFewestViews) continue;
     if (point.stray.value() > config.stray_above_ratio) {
       retold_->strays.push_back(reference.feature);
-    } else if (std::ssize(retold_->landmarks) < config.landmarks) {
-      retold_->landmarks.push_back(reference);
+    } else {
+      landmarks.push_back(reference);
     }
   }
   retold_->about = found_;
-  if (2 * std::ssize(retold_->landmarks) <
-      std::min<std::ptrdiff_t>(config.landmarks, std::ssize(candidates_)))
+  if (search.seen_frames < kEnoughFrames) {
+    const auto strays = static_cast<double>(retold_->strays.size());
+    retold_->growth = trimmed_growth(strays / (strays + static_cast<double>(landmarks.size())));
+    for (FeatureView& landmark : landmarks) landmark.covariance *= retold_->growth;
+  }
+  if (std::ssize(landmarks) > config.landmarks) {
+    landmarks.erase(landmarks.begin() + config.landmarks, landmarks.end());
+  }
+  if (2 * std::ssize(landmarks) <
+      std::min<std::ptrdiff_t>(config.landmarks, std::ssize(candidates_))) {
     retold_.reset();
+  }
 }
 
 // True once it has been told all, up to now: what came since the search as what will come.
@@ -241,8 +264,10 @@ bool StartSmoother::tell_more(Retold& again) const {
         for (const int stray : again.strays) again.filter.give_up(stray);
       }
       if (again.frames < again.way.size()) {
+        std::vector<FeatureView> seen = frame.seen;
+        for (FeatureView& view : seen) view.covariance *= again.growth;
         again.filter.update_landmarks_about(again.about, again.world_from_anchor,
-                                            again.way[again.frames], frame.seen);
+                                            again.way[again.frames], seen);
       } else {
         again.filter.update_landmarks(frame.seen);
       }

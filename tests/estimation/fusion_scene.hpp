@@ -36,6 +36,16 @@ struct FusionScene {
   double renewed_error_log = 0;  ///< those guesses are off by that, all alike
 };
 
+/// Of whose speed at the start nothing is known.
+[[nodiscard]] inline FusionScene hover_of_unknown_speed() {
+  FusionScene scene;
+  scene.sway_m = 0.1;
+  scene.turn_rad = 0.01;
+  scene.pixel_sigma_px = 0.2;
+  scene.velocity_sigma_m_s = 6;
+  return scene;
+}
+
 /// The filter's defaults for views that err anew each time.
 [[nodiscard]] inline FusionConfig white_noise() {
   FusionConfig config;

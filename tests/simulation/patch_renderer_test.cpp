@@ -241,12 +241,12 @@ Eigen::Vector2d wave_shift_px(double distance_m) {
   cv::Mat waves(700, 700, CV_8UC1);
   for (int v = 0; v < waves.rows; ++v) {
     for (int u = 0; u < waves.cols; ++u) {
-      waves.at<std::uint8_t>(v, u) =
-          cv::saturate_cast<std::uint8_t>(128 + 60 * std::sin(kRate * u) + 60 * std::sin(kRate * v));
+      waves.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(
+          128 + 60 * std::sin(kRate * u) + 60 * std::sin(kRate * v));
     }
   }
-  const Patch patch = upright({distance_m, 0, 0}, 14, 14,
-                              std::make_shared<GroundTexture>(waves, kTexel_m));
+  const Patch patch =
+      upright({distance_m, 0, 0}, 14, 14, std::make_shared<GroundTexture>(waves, kTexel_m));
   const Camera camera = small_camera();
   const RigidTransform pose = looking_ahead(0, 90, {0, 0, 0});
   const cv::Mat picture = PatchRenderer(camera, 4).render({.patches = {patch}}, pose);
@@ -256,7 +256,8 @@ Eigen::Vector2d wave_shift_px(double distance_m) {
   for (int row = 30; row < 130; ++row) {
     for (int column = 60; column < 180; ++column) {
       const Ray ray = ray_of(pose, *undistort(camera, {double(column), double(row)}));
-      const Eigen::Vector3d point = distance_m / ray.direction_in_world.x() * ray.direction_in_world;
+      const Eigen::Vector3d point =
+          distance_m / ray.direction_in_world.x() * ray.direction_in_world;
       const Eigen::Vector3d from_corner = (point - patch.corner_in_world_m) / kTexel_m;
       const double u = -kRate * from_corner.y();
       const double v = -kRate * from_corner.z();
