@@ -83,9 +83,9 @@ std::string hover_estimates_csv(std::span<const TrialRecord> records) {
 
 std::string hover_estimate_line(const json& estimate) {
   return fmt::format(
-      "estimate: place within {} cm (rms), velocity {} cm/s (rms), {} (95 %), NEES {} of 6, "
+      "estimate: place within {} mm (rms), velocity {} cm/s (rms), {} (95 %), NEES {} of 6, "
       "available {} %\n",
-      scaled_or_dash(estimate["position_rmse_m"], 100),
+      scaled_or_dash(estimate["position_rmse_m"], 1000),
       scaled_or_dash(estimate["velocity_rmse_m_s"], 100),
       scaled_or_dash(estimate["velocity_p95_m_s"], 100), scaled_or_dash(estimate["nees_mean"], 1),
       scaled_or_dash(estimate["available_ratio"], 100));
