@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "estimation/fusion_filter.hpp"
+#include "estimation/trimmed_mean.hpp"
 
 namespace stillkite {
 namespace {
@@ -39,16 +40,6 @@ bool is_believed(const FusionFilter& filter, std::size_t frames) {
   std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
   const double turn_sigma = std::sqrt(filter.pose_covariance().bottomRightCorner<3, 3>().trace());
   return turn_sigma < most * way * *middle;
-}
-
-// Of points whose errors last, those that stray are given up: the furthest off from what they agree
-// on. The rest agree better than their noise, and by as much less than all would their mean is
-// known. The variance of a mean so trimmed (Huber 1981, section 3.3) over what as many untrimmed
-// tell, for errors of two components, of whose squares, exponentially distributed, a share is cut.
-double trimmed_growth(double share) {
-  if (share <= 0) return 1;
-  const double kept = 1 - share;
-  return kept / (kept + share * std::log(share));
 }
 
 }  // namespace
@@ -238,7 +229,8 @@ void StartSmoother::begin_telling(const Search& search) {
   retold_->about = found_;
   if (search.seen_frames < kEnoughFrames) {
     const auto strays = static_cast<double>(retold_->strays.size());
-    retold_->growth = trimmed_growth(strays / (strays + static_cast<double>(landmarks.size())));
+    retold_->growth =
+        trimmed_mean_growth(strays / (strays + static_cast<double>(landmarks.size())));
     for (FeatureView& landmark : landmarks) landmark.covariance *= retold_->growth;
   }
   if (std::ssize(landmarks) > config.landmarks) {

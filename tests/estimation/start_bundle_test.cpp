@@ -103,6 +103,27 @@ TEST(StartBundle, FindsThePointsOfExactViews) {
   }
 }
 
+// A start that has been told from others is not to be drawn towards its guesses by all of them.
+TEST(StartBundle, GuessesCountLessOnceAllPointsJoin) {
+  const BundleScene scene;
+  FusionConfig config = lasting_windows();
+  config.inverse_depth_sigma_ratio = 0.05;
+  const StartBundle bundle = scene.bundle(config, scene.prior(1e-9, 0));
+  StartEstimate estimate = bundle.begin(std::vector<double>(BundleScene::kPoints, 0.2));
+  const auto off = [&] {
+    settle(bundle, estimate);
+    double sum = 0;
+    for (std::size_t i = 0; i < BundleScene::kPoints; ++i) {
+      sum += std::abs(estimate.points[i].inverse_depth - scene.inverse_depths[i]);
+    }
+    return sum;
+  };
+  const double before = off();
+  EXPECT_FALSE(bundle.add_rest(estimate));
+  estimate.step = HUGE_VAL;
+  EXPECT_LT(off(), 0.4 * before);
+}
+
 double sum_of_squares(const BundleScene& scene, const FusionConfig& config, const StartPrior& prior,
                       double pose_sigma, const StartEstimate& at) {
   double sum = 0;
