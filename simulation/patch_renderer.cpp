@@ -54,8 +54,9 @@ BearingBounds bounds_of(const BearingTable& bearings, int first_row, int rows, i
   return bounds_between(low, high, sees_all);
 }
 
-// Evenly within (0, 1) over the samples of a pixel, in an order unlike theirs. Two that lie opposite
-// each other have the same, so that those of either level have their middle where the pixel has its.
+// Evenly within (0, 1) over the samples of a pixel, in an order unlike theirs. Two that lie
+// opposite each other have the same, so that those of either level have their middle where the
+// pixel has its.
 float rounding_of(int sample, int samples) {
   constexpr int kStride = 3;
   const int pairs = (samples + 1) / 2;
