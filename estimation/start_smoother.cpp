@@ -199,7 +199,8 @@ bool StartSmoother::step_all(Search& search) const {
 }
 
 // Points that stray are no landmarks, and others that were not at hand take their places. What a
-// few frames see, from about one place, is off alike in all of them.
+// few frames see, from about one place, is off alike in all of them, and what stays was chosen
+// because it agrees.
 void StartSmoother::begin_telling(const Search& search) {
   const StartEstimate& found = search.estimates.front();
   FusionConfig config = config_;
@@ -227,7 +228,7 @@ void StartSmoother::begin_telling(const Search& search) {
     }
   }
   retold_->about = found_;
-  if (search.seen_frames < kEnoughFrames) {
+  if (search.seen_frames < kEnoughFrames && !landmarks.empty()) {
     const auto strays = static_cast<double>(retold_->strays.size());
     retold_->growth =
         trimmed_mean_growth(strays / (strays + static_cast<double>(landmarks.size())));
