@@ -159,7 +159,7 @@ TEST(Calibration, MessagesNamePlaceKeyAndRemedy) {
 
 TEST(Calibration, ReadsTheRealDataSets) {
   const char* data = std::getenv("STILLKITE_DATA");
-  if (data == nullptr) GTEST_SKIP() << "STILLKITE_DATA is not set";
+  if (data == nullptr || *data == '\0') GTEST_SKIP() << "STILLKITE_DATA is not set";
   for (const char* name : {"flight_mat", "handheld_plane", "road_forward", "hover_static"}) {
     const auto file = std::filesystem::path(data) / name / "mav0/cam0/sensor.yaml";
     const Calibration c = read_calibration(file);

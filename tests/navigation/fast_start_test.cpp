@@ -51,7 +51,7 @@ TEST_P(FastStart, SeesItsSpeedFromTheSecondFrameOn) {
   cv::Mat photograph;
   if (GetParam().photograph != nullptr) {
     const char* data = std::getenv("STILLKITE_DATA");
-    if (data == nullptr) GTEST_SKIP() << "STILLKITE_DATA is not set";
+    if (data == nullptr || *data == '\0') GTEST_SKIP() << "STILLKITE_DATA is not set";
     config.ground.photograph =
         std::filesystem::path(data) / "ground_photos" / GetParam().photograph;
     photograph = cv::imread(config.ground.photograph->string(), cv::IMREAD_GRAYSCALE);
