@@ -22,7 +22,7 @@ struct TableFigure {
   double unit = 1;
 };
 
-constexpr std::array<TableFigure, 8> kErrorFigures{
+constexpr std::array<TableFigure, 9> kErrorFigures{
     {{"position RMSE, m", "/evaluation/position_rmse_m"},
      {"drift, % of the path", "/evaluation/drift_percent"},
      {"velocity RMSE, m/s", "/evaluation/velocity_rmse_m_s"},
@@ -30,6 +30,7 @@ constexpr std::array<TableFigure, 8> kErrorFigures{
      {"yaw RMSE, deg", "/evaluation/yaw_rmse_rad", kDegree},
      {"from the reference: rotation, deg", "/evaluation/reference/rotation_median_deg"},
      {"from the reference: direction, deg", "/evaluation/reference/direction_median_deg"},
+     {"from the reference: frames with one", "/evaluation/reference/directions"},
      {"from the reference: displacement, m", "/evaluation/reference/displacement_rmse_m"}}};
 constexpr std::array<TableFigure, 4> kFrameFigures{
     {{"mean error: position, m", "/mean_error/position_m"},

@@ -19,6 +19,7 @@ const resultGroups = [
   ['Seen from the reference', [
     ['rotation, median, °', 'evaluation.reference.rotation_median_deg', same],
     ['direction, median, °', 'evaluation.reference.direction_median_deg', same],
+    ['frames with a direction', 'evaluation.reference.directions', same],
     ['displacement RMSE, m', 'evaluation.reference.displacement_rmse_m', same]]],
   ['Mean error of a frame', Object.entries(frameFigures).map(
     ([figure, [label, shownAs]]) => [label, `mean_error.${figure}`, shownAs, figure])],

@@ -28,7 +28,10 @@ ComparedRun made_up_run(const std::string& name, double mean_m, double drift_rad
                  {"verdicts", {{"ok", 149}, {"first_frame", 1}, {"lost", 50}, {"frozen", 0}}},
                  {"timing", {{"frame_ms", {{"median", 4.0}, {"p99", 6.0}}}}},
                  {"memory", {{"peak_rss_mib", 100}}},
-                 {"evaluation", {{"position_rmse_m", mean_m}, {"velocity_rmse_m_s", {0, 3, 4}}}}};
+                 {"evaluation",
+                  {{"position_rmse_m", mean_m},
+                   {"velocity_rmse_m_s", {0, 3, 4}},
+                   {"reference", {{"direction_median_deg", 3}, {"directions", 149}}}}}};
   run.own_s = 0.8;
   return run;
 }
@@ -74,6 +77,8 @@ TEST(ComparisonTable, shows_figures_marks_and_times) {
             std::string::npos)
       << table;
   EXPECT_NE(table.find("5                    5\n"), std::string::npos) << "|(0, 3, 4)| is 5";
+  EXPECT_NE(table.find("frames with one          149                  149\n"), std::string::npos)
+      << "medians of different frames are not to be compared";
   EXPECT_NE(table.find(" worse\n"), std::string::npos);
   EXPECT_NE(table.find(" drifting\n"), std::string::npos);
   EXPECT_NE(table.find("frames lost"), std::string::npos);
