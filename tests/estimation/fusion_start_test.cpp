@@ -209,5 +209,26 @@ TEST(FusionFilter, TakesOthersForLandmarksThatStray) {
   EXPECT_EQ(std::ssize(flight.filter().landmarks()), config.landmarks);
 }
 
+// A quarter of its points strays and is given up: those that stay were chosen because they agree,
+// and what they agree on is known by less (`trimmed_mean_growth`).
+TEST(FusionFilter, KnowsLessByLandmarksThatWereChosenBecauseTheyAgree) {
+  constexpr int kFrames = 27;  // the start of 16 pictures is there, that of 32 is not
+  FusionScene scene = hover_of_unknown_speed();
+  scene.true_noise_ratio = 0.3;
+  scene.drift_m_s2 = 0.5;
+  scene.stray_px = 20;
+  scene.offered = 24;
+  FusionConfig config = white_noise();
+  config.landmarks = 24;
+  const auto turn_variance = [&](int strays) {
+    scene.strays = strays;
+    FusionSimulation flight(scene, config, 1);
+    for (int i = 0; i < kFrames; ++i) flight.step();
+    EXPECT_TRUE(flight.filter().landmarks().front().is_of_start) << "the case tells nothing";
+    return flight.filter().pose_covariance().bottomRightCorner<3, 3>().trace();
+  };
+  EXPECT_GT(turn_variance(12), 1.15 * turn_variance(0));
+}
+
 }  // namespace
 }  // namespace stillkite
