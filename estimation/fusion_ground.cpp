@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "estimation/fusion_filter.hpp"
 
@@ -7,23 +8,8 @@ namespace stillkite {
 namespace {
 
 using Index = FusionIndex;
-// Of heights, as shares: what lies on one level differs by less.
+// Of heights, as shares: what lies on one level differs by less, however little is known of it.
 constexpr double kSameLevel = 0.04;
-
-bool is_on_level(double height, double level) {
-  return std::abs(height / level - 1) <= kSameLevel;
-}
-
-// The largest height on which, within kSameLevel of it, several lie; that of their middle.
-std::optional<double> lowest_of(std::vector<double> heights) {
-  constexpr std::size_t kSeveral = 5;
-  std::sort(heights.begin(), heights.end());
-  for (std::size_t last = heights.size(); last-- > kSeveral - 1;) {
-    const double highest = heights[last + 1 - kSeveral];
-    if (highest > (1 - kSameLevel) * heights[last]) return heights[last - kSeveral / 2];
-  }
-  return std::nullopt;
-}
 
 // d(up . way)/d(tilt)
 Eigen::RowVector2d up_by_tilt(const Eigen::Vector3d& way) {
@@ -57,7 +43,29 @@ struct LowLandmark {
   double height = 0;
   double sigma_ratio = 0;  // against the one that is known best, as a share
   [[nodiscard]] bool is_known() const { return sigma_ratio <= 0.05; }
+  // Things stand on the ground, none below it: what is known to lie over it does not belong to it.
+  [[nodiscard]] double tolerance() const {
+    constexpr double kLevel = 0.01;
+    constexpr double kSigmas = 2;
+    return std::min(kSameLevel, kLevel + kSigmas * sigma_ratio);
+  }
 };
+
+bool is_on_level(const LowLandmark& low, double level) {
+  return std::abs(low.height / level - 1) <= low.tolerance();
+}
+
+// The largest height on which several lie; that of their middle.
+std::optional<double> lowest_of(std::vector<LowLandmark> known) {
+  constexpr std::size_t kSeveral = 5;
+  std::sort(known.begin(), known.end(),
+            [](const LowLandmark& a, const LowLandmark& b) { return a.height > b.height; });
+  for (std::size_t first = 0; first + kSeveral <= known.size(); ++first) {
+    const LowLandmark& highest = known[first + kSeveral - 1];
+    if (is_on_level(highest, known[first].height)) return known[first + kSeveral / 2].height;
+  }
+  return std::nullopt;
+}
 
 // In a height what all landmarks share, as the way that all depths were learnt by, is of no
 // matter to whether they lie on one level: each is compared with the one that is known best.
@@ -94,10 +102,9 @@ std::vector<LowLandmark> landmarks_below(const FusionState& state,
 std::optional<double> ground_level(const std::vector<LowLandmark>& below) {
   constexpr double kSigmas = 2;
   constexpr int kStray = 1;
-  std::vector<double> known;
-  for (const LowLandmark& low : below) {
-    if (low.is_known()) known.push_back(low.height);
-  }
+  std::vector<LowLandmark> known;
+  std::copy_if(below.begin(), below.end(), std::back_inserter(known),
+               [](const LowLandmark& low) { return low.is_known(); });
   const std::optional<double> level = lowest_of(known);
   if (!level) return std::nullopt;
   const auto lower = std::count_if(below.begin(), below.end(), [&](const LowLandmark& low) {
@@ -150,7 +157,7 @@ int FusionFilter::update_ground(bool is_flat) {
     const std::optional<double> level = ground_level(ground);
     if (!level) return 0;
     std::erase_if(ground, [&](const LowLandmark& low) {
-      return !low.is_known() || !is_on_level(low.height, *level);
+      return !low.is_known() || !is_on_level(low, *level);
     });
     if (has_outgrown_its_scale()) forget_scale();
     is_first = std::none_of(landmarks_.begin(), landmarks_.end(),

@@ -266,6 +266,20 @@ TEST(FusionFilter, TakesNoTableForTheGround) {
   }
 }
 
+// Five lie on the ground and ten 9 cm over it, which is no matter where heights are known to 2 %.
+// Known to 0.2 % these are other things, and told as ground they would make metres too long.
+TEST(FusionFilter, TakesNothingForTheGroundThatIsKnownToLieOverIt) {
+  const auto with = [](double sigma_ratio) {
+    std::vector<LowPoint> points(5, {.below_m = 3, .sigma_ratio = sigma_ratio});
+    points.insert(points.end(), 10, {.below_m = 2.91, .sigma_ratio = sigma_ratio});
+    return filter_with(points);
+  };
+  EXPECT_EQ(with(0.02).update_ground(false), 15);
+  FusionFilter knows_heights = with(0.002);
+  EXPECT_EQ(knows_heights.update_ground(false), 5);
+  EXPECT_NEAR(knows_heights.state().log_scale, 0, 0.002);
+}
+
 // In a unit that is wrong by two thirds nine heights that are alike are one and the same scale: the
 // first of them must not settle it where the others are not.
 TEST(FusionFilter, TellsAScaleThatIsWrongByFarAtOnce) {
