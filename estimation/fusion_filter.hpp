@@ -142,6 +142,7 @@ class FusionFilter {
   using Matrix9d = Eigen::Matrix<double, 9, 9>;
   // 1. State and covariance.
   [[nodiscard]] int size() const;
+  Eigen::Vector3d counted_gain(const Eigen::Vector3d& gain_m_s, double dt_s);
   void propagate(const Transition& F, const Matrix9d& noise, double dt_s);
   template <int kRows>
   bool correct(const Innovation<kRows>& innovation);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "estimation/fusion_filter.hpp"
@@ -36,10 +37,11 @@ Eigen::Matrix<double, 9, 9> white_acceleration(double squared_density, double dt
 struct Carried {
   Eigen::Vector3d rate_rad_s;
   Eigen::Vector3d force_in_world_m_s2;  // without gravity
+  Eigen::Vector3d acceleration_m_s2;
 };
 
 Carried carried(const FusionState& state, const InertialStep& step) {
-  Carried out{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  Carried out{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   if (step.angular_rate_rad_s) out.rate_rad_s = *step.angular_rate_rad_s;
   if (step.is_gyro && step.angular_rate_rad_s) out.rate_rad_s -= state.gyro_bias_rad_s;
   if (step.specific_force_m_s2) {
@@ -47,17 +49,14 @@ Carried carried(const FusionState& state, const InertialStep& step) {
     out.force_in_world_m_s2 = state.world_from_camera.rotation *
                               so3_exp(0.5 * step.dt_s * out.rate_rad_s) *
                               (*step.specific_force_m_s2 - state.accel_bias_m_s2);
+    out.acceleration_m_s2 = out.force_in_world_m_s2 + gravity_m_s2(state.gravity_tilt_rad);
   }
   return out;
 }
 
 FusionState moved(const FusionState& state, const InertialStep& step) {
   const Carried by = carried(state, step);
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
-  if (step.specific_force_m_s2) {
-    acceleration = std::exp(-state.log_scale) *
-                   (by.force_in_world_m_s2 + gravity_m_s2(state.gravity_tilt_rad));
-  }
+  const Eigen::Vector3d acceleration = std::exp(-state.log_scale) * by.acceleration_m_s2;
   FusionState next = state;
   next.world_from_camera.rotation =
       (state.world_from_camera.rotation * so3_exp(by.rate_rad_s * step.dt_s)).normalized();
@@ -90,8 +89,7 @@ void FusionFilter::predict(const InertialStep& step) {
     by_force.middleCols<3>(Index::kRotation) = -in_map_s * skew(by.force_in_world_m_s2);
     by_force.middleCols<3>(Index::kAccelBias) = -in_map_s * R;
     by_force.middleCols<2>(Index::kTilt) = in_map_s * gravity_by_tilt();
-    by_force.col(Index::kScale) =
-        -in_map_s * (by.force_in_world_m_s2 + gravity_m_s2(state_.gravity_tilt_rad));
+    by_force.col(Index::kScale) = -shrink * counted_gain(dt_s * by.acceleration_m_s2, dt_s);
     F.middleRows<3>(Index::kVelocity) += by_force;
     F.middleRows<3>(Index::kPosition) += 0.5 * dt_s * by_force;
     // scale and acceleration are multiplied: what neither is known to, no linear step tells
@@ -109,6 +107,27 @@ void FusionFilter::predict(const InertialStep& step) {
   state_ = moved(state_, step);
   prediction_.state = state_;
   prediction_.covariance = own_covariance();
+}
+
+// What velocity gains is wrong with the scale. A reading's noise is no gain: counted as one, where
+// pictures show that there was none, it tells of longer metres (errors in variables). So what is
+// counted is the mean over so long that the noise in it is no more than what a motion of
+// kMotion_rad_s changes meanwhile.
+Eigen::Vector3d FusionFilter::counted_gain(const Eigen::Vector3d& gain_m_s, double dt_s) {
+  constexpr double kMotion_rad_s = 1.5;
+  constexpr double kLongest_s = 0.5;
+  constexpr double kFrame_s = 0.03;  // in which no picture tells
+  constexpr double kShortest_s = 1e-3;
+  double& mean_square = state_.mean_square_acceleration_m2_s4;
+  const double balanced_s =
+      std::cbrt(0.5 * square(config_.accel_density / kMotion_rad_s) / mean_square);
+  const double averaged_s = std::min(kLongest_s, balanced_s) - kFrame_s;
+  const double share = averaged_s > 0 ? -std::expm1(-dt_s / averaged_s) : 1;
+  const Eigen::Vector3d counted_m_s = share * (state_.recent_gain_m_s + gain_m_s);
+  state_.recent_gain_m_s += gain_m_s - counted_m_s;
+  mean_square -=
+      std::expm1(-dt_s) * ((counted_m_s / std::max(dt_s, kShortest_s)).squaredNorm() - mean_square);
+  return counted_m_s;
 }
 
 void FusionFilter::propagate(const Transition& F, const Matrix9d& noise, double dt_s) {

@@ -15,9 +15,12 @@ namespace stillkite {
 struct FusionState {
   RigidTransform world_from_camera;                             ///< map units
   Eigen::Vector3d velocity_in_world = Eigen::Vector3d::Zero();  ///< map units/s
-  Eigen::Vector3d gyro_bias_rad_s = Eigen::Vector3d::Zero();    ///< camera axes
-  Eigen::Vector3d accel_bias_m_s2 = Eigen::Vector3d::Zero();    ///< camera axes
-  Eigen::Vector2d gravity_tilt_rad = Eigen::Vector2d::Zero();   ///< about world x and y
+  /// Gained of late, world axes, and not yet counted among what is wrong with the scale.
+  Eigen::Vector3d recent_gain_m_s = Eigen::Vector3d::Zero();
+  double mean_square_acceleration_m2_s4 = 0;  ///< of what was counted, over the last second
+  Eigen::Vector3d gyro_bias_rad_s = Eigen::Vector3d::Zero();   ///< camera axes
+  Eigen::Vector3d accel_bias_m_s2 = Eigen::Vector3d::Zero();   ///< camera axes
+  Eigen::Vector2d gravity_tilt_rad = Eigen::Vector2d::Zero();  ///< about world x and y
   double log_scale = 0;
   double log_height = 0;               ///< of the known height at the start over the true one
   RigidTransform world_from_anchor;    ///< the camera at the reference frame

@@ -58,7 +58,7 @@ TEST(FusionFilter, DoesNotTakeFarAndNearForAlike) {
   for (const double pixel_sigma_px : {0.3, 0.5}) {
     scene.pixel_sigma_px = pixel_sigma_px;
     FusionConfig config = white_noise();
-    config.inverse_depth_sigma_ratio = 0.5;
+    config.inverse_depth_sigma_ratio = 0.25;
     EXPECT_GT(nees_after_a_second(scene, config, 8), 30) << "the case tells nothing";
     config.inverse_depth_sigma_ratio = FusionConfig{}.inverse_depth_sigma_ratio;
     EXPECT_LT(nees_after_a_second(scene, config, 8), 9);
