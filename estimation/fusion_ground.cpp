@@ -51,18 +51,21 @@ struct LowLandmark {
   }
 };
 
-bool is_on_level(const LowLandmark& low, double level) {
-  return std::abs(low.height / level - 1) <= low.tolerance();
+bool is_on_level(const LowLandmark& low, double level, double tolerance) {
+  return std::abs(low.height / level - 1) <= tolerance;
 }
 
 // The largest height on which several lie; that of their middle.
-std::optional<double> lowest_of(std::vector<LowLandmark> known) {
+template <typename Tolerance>
+std::optional<double> lowest_of(std::vector<LowLandmark> known, Tolerance&& tolerance) {
   constexpr std::size_t kSeveral = 5;
   std::sort(known.begin(), known.end(),
             [](const LowLandmark& a, const LowLandmark& b) { return a.height > b.height; });
   for (std::size_t first = 0; first + kSeveral <= known.size(); ++first) {
     const LowLandmark& highest = known[first + kSeveral - 1];
-    if (is_on_level(highest, known[first].height)) return known[first + kSeveral / 2].height;
+    if (is_on_level(highest, known[first].height, tolerance(highest))) {
+      return known[first + kSeveral / 2].height;
+    }
   }
   return std::nullopt;
 }
@@ -105,12 +108,18 @@ std::optional<double> ground_level(const std::vector<LowLandmark>& below) {
   std::vector<LowLandmark> known;
   std::copy_if(below.begin(), below.end(), std::back_inserter(known),
                [](const LowLandmark& low) { return low.is_known(); });
-  const std::optional<double> level = lowest_of(known);
+  const std::optional<double> level = lowest_of(known, [](auto&) { return kSameLevel; });
   if (!level) return std::nullopt;
   const auto lower = std::count_if(below.begin(), below.end(), [&](const LowLandmark& low) {
     return low.height / *level > 1 + kSameLevel + kSigmas * low.sigma_ratio;
   });
-  return lower <= kStray ? level : std::nullopt;
+  if (lower > kStray) return std::nullopt;
+  // rough ground has none on which they lie as well as they are known
+  std::erase_if(known,
+                [&](const LowLandmark& low) { return !is_on_level(low, *level, kSameLevel); });
+  const std::optional<double> finer =
+      lowest_of(known, [](const LowLandmark& low) { return low.tolerance(); });
+  return finer ? finer : level;
 }
 
 // Of landmarks that are off, those that look lowest are chosen for the first ground: what they are
@@ -157,7 +166,7 @@ int FusionFilter::update_ground(bool is_flat) {
     const std::optional<double> level = ground_level(ground);
     if (!level) return 0;
     std::erase_if(ground, [&](const LowLandmark& low) {
-      return !low.is_known() || !is_on_level(low, *level);
+      return !low.is_known() || !is_on_level(low, *level, low.tolerance());
     });
     if (has_outgrown_its_scale()) forget_scale();
     is_first = std::none_of(landmarks_.begin(), landmarks_.end(),

@@ -304,6 +304,15 @@ TEST(FusionFilter, TakesNothingForTheGroundThatIsKnownToLieOverIt) {
   EXPECT_NEAR(knows_heights.state().log_scale, 0, 0.002);
 }
 
+// None of five lies on a level with the others as well as heights are known: the middle ones tell.
+TEST(FusionFilter, FindsTheGroundWhereItIsRough) {
+  std::vector<LowPoint> points;
+  for (int i = 0; i < 5; ++i) points.push_back({.below_m = 3 - 0.025 * i, .sigma_ratio = 0.001});
+  FusionFilter filter = filter_with(points);
+  EXPECT_EQ(filter.update_ground(false), 3);
+  EXPECT_NEAR(filter.state().log_scale, std::log(3 / 2.95), 0.005);
+}
+
 // In a unit that is wrong by two thirds nine heights that are alike are one and the same scale: the
 // first of them must not settle it where the others are not.
 TEST(FusionFilter, TellsAScaleThatIsWrongByFarAtOnce) {
