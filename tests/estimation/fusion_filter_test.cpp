@@ -23,7 +23,7 @@ TEST(FusionFilter, FindsTheScaleByItsInertia) {
   EXPECT_LT(flight.pose_error().head<3>().norm(), 0.02);
 }
 
-// Its noise is no acceleration: taken for one that exact pictures do not show, it tells of longer
+// Its noise is no acceleration: taken for one that good pictures do not show, it tells of longer
 // metres, by 16 % in the mean of these flights.
 TEST(FusionFilter, ANoisyAccelerometerTellsNoLongerMetres) {
   constexpr int kSeeds = 40;
