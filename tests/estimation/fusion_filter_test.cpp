@@ -306,9 +306,8 @@ TEST(FusionFilter, TakesNothingForTheGroundThatIsKnownToLieOverIt) {
 
 // None of five lies on a level with the others as well as heights are known: the middle ones tell.
 TEST(FusionFilter, FindsTheGroundWhereItIsRough) {
-  std::vector<LowPoint> points;
-  for (int i = 0; i < 5; ++i) points.push_back({.below_m = 3 - 0.025 * i, .sigma_ratio = 0.001});
-  FusionFilter filter = filter_with(points);
+  FusionFilter filter =
+      filter_with({{3, 0.001}, {2.975, 0.001}, {2.95, 0.001}, {2.925, 0.001}, {2.9, 0.001}});
   EXPECT_EQ(filter.update_ground(false), 3);
   EXPECT_NEAR(filter.state().log_scale, std::log(3 / 2.95), 0.005);
 }
