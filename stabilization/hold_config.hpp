@@ -59,7 +59,8 @@ struct RecommendedHoldConfig {
   bool predict = true;
   double lag_s = 0.5;
   double damped_within_m = 0.5;
-  double alignment_gain_1_m = 2.0;
+  double overhead_horizon_s = 5.0;
+  double drift_memory_s = 2.0;
 
   static void fields(auto& self, auto&& field) {
     field("position", self.position,
@@ -79,9 +80,13 @@ struct RecommendedHoldConfig {
           "move the drone from where they keep it, not from where wind has blown it");
     field("lag_s", self.lag_s, Range{0, 10}, "first-order lag of the drone behind its commands");
     field("damped_within_m", self.damped_within_m, Range{0.01, 10},
-          "level distance from the zenith within which the azimuth rate is damped");
-    field("alignment_gain_1_m", self.alignment_gain_1_m, Range{0, 100},
-          "there, azimuth rate towards the wanted motion per angle and level speed");
+          "length of the tether below which the elevation rate is damped, and level distance from "
+          "the zenith within which the azimuth turns to the way ahead, or farther out if the "
+          "station is fast");
+    field("overhead_horizon_s", self.overhead_horizon_s, Range{0.1, 60},
+          "how far ahead it looks there");
+    field("drift_memory_s", self.drift_memory_s, Range{0, 60},
+          "there, time constant of the mean motion that is taken to go on so long: no gust");
   }
 };
 

@@ -61,7 +61,7 @@ double HoldController::advance(Timestamp now) {
   const double dt_s = last_ ? std::min(seconds_between(*last_, now), kLongestStep_s) : 0;
   last_ = now;
   if (last_moved_ && seconds_between(*last_moved_, now) > config_.forget_after_s) {
-    axes_ = {};
+    memory_ = {};
     last_moved_.reset();
   }
   return dt_s;
@@ -78,14 +78,14 @@ VehicleLimits HoldController::limits_at(const TetherReading& reading) {
 }
 
 HoldPlan HoldController::plan(const HoldInput& input, HoldReason reason, double dt_s) {
-  HoldPlan held{.reason = reason};
-  for (std::size_t i = 0; i < axes_.size(); ++i) held.axes[i] = at_rest(axes_[i]);
+  HoldPlan held{.reason = reason, .memory = memory_};
+  for (PidState& axis : held.memory.axes) axis = at_rest(axis);
   if (held.reason != HoldReason::none) return held;
   HoldConfig config = config_;
   config.limits = limits_at(*input.tether);
   const HoldPlan plan = config.mode == HoldMode::paper
-                            ? plan_as_in_paper(config, input, axes_, dt_s)
-                            : plan_recommended(config, input, axes_, own_, dt_s);
+                            ? plan_as_in_paper(config, input, memory_, dt_s)
+                            : plan_recommended(config, input, memory_, own_, dt_s);
   if (all_finite(plan.command)) return plan;
   held.reason = HoldReason::not_finite;
   return held;
@@ -99,7 +99,7 @@ HoldDecision HoldController::decide(const HoldInput& latest) {
     input.tether->tether = held_.take(latest.tether->tether);
   }
   const HoldPlan plan = this->plan(input, reason, dt_s);
-  axes_ = plan.axes;
+  memory_ = plan.memory;
   LevelMotion commanded = LevelMotion::Zero();
   if (plan.reason == HoldReason::none) last_moved_ = input.now;
   if (!all_zero(plan.command)) {

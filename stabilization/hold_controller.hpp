@@ -30,7 +30,7 @@ class HoldController {
   [[nodiscard]] bool keeps_by_commands() const;
 
   HoldConfig config_;
-  HoldAxes axes_;
+  HoldMemory memory_;
   OwnMotion own_;
   HeldTether held_;
   std::optional<Timestamp> last_;

@@ -6,6 +6,7 @@
 
 #include "geometry/time.hpp"
 #include "stabilization/hold_errors.hpp"
+#include "stabilization/overhead_turn.hpp"
 #include "stabilization/tether.hpp"
 #include "stabilization/tether_rates.hpp"
 
@@ -81,22 +82,56 @@ LevelMotion predicted_change(const RecommendedHoldConfig& config, const HoldInpu
   return drift * age_s - own.way_since(input.estimate->stamp) + config.lag_s * (drift - own.rate());
 }
 
-// The velocity to command where way and velocity are both known in metres. The station (and the
-// wind) moved the drone by what it does beside its own model, and is taken to go on; then way and
-// velocity by now are known, and d'' = -2 p d' - p^2 d follows from w' = (u - w) / lag.
-std::optional<Vector3d> state_feedback(const RecommendedHoldConfig& config, const HoldInput& input,
-                                       const OwnMotion& own, const Vector3d& way_home_m) {
-  const double pole = config.state_feedback_pole_1_s;
-  const std::optional<Vector3d> velocity_m_s =
-      velocity_in_station_m_s(*input.estimate, input.station_from_camera);
-  if (!velocity_m_s || !config.predict || !(pole > 0)) return std::nullopt;
+// The way home by now, and at which it grows without commands: what moves the drone beside its own
+// model, the station and the wind, is taken to go on.
+struct Home {
+  Vector3d way_m;
+  Vector3d drift_m_s;
+  bool drift_is_measured;  // as where the estimate knows the velocity; else the integrals learn it
+};
+
+Home home_by_now(const RecommendedHoldConfig& config, const HoldInput& input, const HoldAxes& axes,
+                 const OwnMotion& own, const Vector3d& way_m) {
+  if (!config.predict) return {way_m, Vector3d::Zero(), false};
   const Timestamp exposure = input.estimate->stamp;
+  Home home{way_m, {axes[0].integral, axes[1].integral, axes[2].integral}, false};
+  if (const auto velocity_m_s =
+          velocity_in_station_m_s(*input.estimate, input.station_from_camera)) {
+    home.drift_m_s = own.rate_at(exposure).head<3>() - *velocity_m_s;
+    home.drift_is_measured = true;
+  }
   const double age_s = seconds_between(exposure, input.now);
+  home.way_m += home.drift_m_s * age_s - own.way_since(exposure).head<3>();
+  return home;
+}
+
+// The velocity to command: d'' = -2 p d' - p^2 d follows from w' = (u - w) / lag.
+Vector3d state_feedback(const RecommendedHoldConfig& config, const Home& home,
+                        const OwnMotion& own) {
+  const double pole = config.state_feedback_pole_1_s;
   const Vector3d own_now = own.rate().head<3>();
-  const Vector3d carried = *velocity_m_s - own.rate_at(exposure).head<3>();
-  const Vector3d way = way_home_m - carried * age_s - own.way_since(exposure).head<3>();
-  const Vector3d velocity = carried + own_now;
-  return Vector3d(own_now + config.lag_s * (pole * pole * way - 2 * pole * velocity));
+  const Vector3d velocity = own_now - home.drift_m_s;
+  return own_now + config.lag_s * (pole * pole * home.way_m - 2 * pole * velocity);
+}
+
+Vector3d low_passed(const Vector3d& mean, const Vector3d& value, double memory_s, double dt_s) {
+  return memory_s > 0 ? Vector3d(mean - std::expm1(-dt_s / memory_s) * (value - mean)) : value;
+}
+
+// What the azimuth does near the zenith: the drone is to be kept where it is kept now and the way
+// home on, and the station goes on without its gusts. Near is where that may ask for half of what
+// the azimuth can.
+OverheadTurn overhead_turn(const HoldConfig& config, const TetherState& here, const Vector3d& way_m,
+                           const Vector3d& drift_m_s) {
+  const RecommendedHoldConfig& recommended = config.recommended;
+  const double limit_rad_s = config.limits.azimuth_rate_rad_s;
+  const double within_m =
+      std::max(recommended.damped_within_m, drift_m_s.head<2>().norm() / (limit_rad_s / 2));
+  if (std::abs(tether_levers_m(here)[2]) > within_m) return {within_m, 0};
+  const Vector3d kept_m = position_in_station(here) + way_m;
+  return {within_m,
+          turn_to_way_rad_s(here.azimuth_rad, {kept_m.head<2>(), drift_m_s.head<2>()},
+                            {limit_rad_s, recommended.lag_s}, recommended.overhead_horizon_s)};
 }
 
 // The axes after a step, their integrals grown but not towards what the vehicle cannot follow.
@@ -118,20 +153,20 @@ PidState at_rest(const PidState& state) {
   return {.integral = state.integral};
 }
 
-HoldPlan plan_as_in_paper(const HoldConfig& config, const HoldInput& input, const HoldAxes& axes,
-                          double dt_s) {
+HoldPlan plan_as_in_paper(const HoldConfig& config, const HoldInput& input,
+                          const HoldMemory& before, double dt_s) {
   const PaperHoldConfig& paper = config.paper;
   const TetherState& here = input.tether->tether;
   const EulerAngles angles = paper_angles(*input.estimate);
   HoldPlan plan{.reason = paper_reason(paper, *input.estimate, angles),
                 .turn_home_rad = -angles.pitch_rad,
-                .axes = position_at_rest(axes)};
+                .memory = {.axes = position_at_rest(before.axes)}};
   if (plan.reason == HoldReason::within_dead_band) {
-    plan.axes[kYaw] = at_rest(axes[kYaw]);
+    plan.memory.axes[kYaw] = at_rest(before.axes[kYaw]);
     return plan;
   }
-  const PidStep yaw = step(paper.yaw, axes[kYaw], plan.turn_home_rad, dt_s);
-  plan.axes[kYaw] = yaw.state;
+  const PidStep yaw = step(paper.yaw, before.axes[kYaw], plan.turn_home_rad, dt_s);
+  plan.memory.axes[kYaw] = yaw.state;
   plan.command.yaw_rate_rad_s = yaw.output;
 
   const std::optional<Vector3d> direction = direction_home(input);
@@ -143,29 +178,32 @@ HoldPlan plan_as_in_paper(const HoldConfig& config, const HoldInput& input, cons
     plan.way_home_in_station_m = paper.unit_translation_m * *direction;
     const TetherState wanted =
         tether_to(position_in_station(here) + plan.way_home_in_station_m, here);
-    const PidStep length = step(paper.length, axes[0], wanted.length_m - here.length_m, dt_s);
+    const PidStep length =
+        step(paper.length, before.axes[0], wanted.length_m - here.length_m, dt_s);
     const PidStep elevation =
-        step(paper.elevation, axes[1], wanted.elevation_rad - here.elevation_rad, dt_s);
+        step(paper.elevation, before.axes[1], wanted.elevation_rad - here.elevation_rad, dt_s);
     const PidStep azimuth =
-        step(paper.azimuth, axes[2], wanted.azimuth_rad - here.azimuth_rad, dt_s);
+        step(paper.azimuth, before.axes[2], wanted.azimuth_rad - here.azimuth_rad, dt_s);
     plan.command.length_rate_m_s = length.output;
     plan.command.elevation_rate_rad_s = elevation.output;
     plan.command.azimuth_rate_rad_s = azimuth.output;
-    plan.axes = {length.state, elevation.state, azimuth.state, yaw.state};
+    plan.memory.axes = {length.state, elevation.state, azimuth.state, yaw.state};
   }
   plan.command = within_limits(config.limits, here, plan.command);
   return plan;
 }
 
-HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input, const HoldAxes& axes,
-                          const OwnMotion& own, double dt_s) {
+HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input,
+                          const HoldMemory& before, const OwnMotion& own, double dt_s) {
   const RecommendedHoldConfig& recommended = config.recommended;
   const TetherState& here = input.tether->tether;
   HoldPlan plan{.turn_home_rad = turn_home_rad(*input.estimate, input.station_from_camera),
-                .axes = position_at_rest(axes)};
-  const LevelMotion change = predicted_change(recommended, input, axes, own);
-  const PidStep yaw = step(recommended.yaw, axes[kYaw], plan.turn_home_rad + change[kYaw], dt_s);
-  plan.axes[kYaw] = yaw.state;
+                .memory = {position_at_rest(before.axes), before.drift_in_station_m_s}};
+  HoldAxes& axes = plan.memory.axes;
+  const LevelMotion change = predicted_change(recommended, input, before.axes, own);
+  const PidStep yaw =
+      step(recommended.yaw, before.axes[kYaw], plan.turn_home_rad + change[kYaw], dt_s);
+  axes[kYaw] = yaw.state;
   TetherCommand wanted;
 
   const std::optional<Vector3d> way = metric_way_home(recommended, input);
@@ -175,21 +213,25 @@ HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input, cons
     plan.reason = HoldReason::displacement_unknown;
   } else {
     plan.way_home_in_station_m = *way;
+    const Home home = home_by_now(recommended, input, before.axes, own, *way);
     Vector3d velocity_m_s;
-    if (const auto wanted_m_s = state_feedback(recommended, input, own, *way)) {
-      velocity_m_s = *wanted_m_s;
+    if (home.drift_is_measured && recommended.state_feedback_pole_1_s > 0) {
+      velocity_m_s = state_feedback(recommended, home, own);
     } else {
       for (int i = 0; i < 3; ++i) {
-        const PidStep axis = step(recommended.position, axes[i], (*way)[i] + change[i], dt_s);
-        plan.axes[i] = axis.state;
+        const PidStep axis =
+            step(recommended.position, before.axes[i], (*way)[i] + change[i], dt_s);
+        axes[i] = axis.state;
         velocity_m_s[i] = axis.output;
       }
     }
+    Vector3d& drift = plan.memory.drift_in_station_m_s;
+    drift = low_passed(drift, home.drift_m_s, recommended.drift_memory_s, dt_s);
     wanted = rates_for_velocity(here, velocity_m_s, recommended.damped_within_m,
-                                recommended.alignment_gain_1_m);
+                                overhead_turn(config, here, home.way_m, drift));
     const TetherCommand possible = within_limits(config.limits, here, wanted);
-    plan.axes =
-        without_windup(axes, plan.axes, velocity_m_s - velocity_in_station_m_s(here, possible));
+    axes =
+        without_windup(before.axes, axes, velocity_m_s - velocity_in_station_m_s(here, possible));
   }
   wanted.yaw_rate_rad_s = yaw.output;
   plan.command = within_limits(config.limits, here, wanted);

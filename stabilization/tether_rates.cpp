@@ -2,25 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace stillkite {
 namespace {
 
-// The share of the damped inverse that is damping: 1 at a lever of 0, 0 from the edge on.
-double damping_share(double lever_m, double damped_within_m) {
-  const double x = lever_m / damped_within_m;
-  return std::max(0.0, 1 - x * x);
-}
-
 double damped_inverse(double lever_m, double damped_within_m) {
-  const double d2 = damped_within_m * damped_within_m / 4 * damping_share(lever_m, damped_within_m);
+  const double x = lever_m / damped_within_m;
+  const double d2 = damped_within_m * damped_within_m / 4 * std::max(0.0, 1 - x * x);
   return lever_m / (lever_m * lever_m + d2);
 }
 
-// The smallest turn that brings the tether's vertical plane to contain the velocity.
-double turn_to_line_rad(double azimuth_rad, const Eigen::Vector3d& velocity) {
-  return std::remainder(std::atan2(velocity.y(), velocity.x()) - azimuth_rad, std::numbers::pi);
+double azimuth_rate_rad_s(double lever_m, double sideways_m_s, const OverheadTurn& overhead) {
+  const double x = lever_m / overhead.within_m;
+  const double share = std::min(x * x, 1.0);
+  const double inverse_1_m =
+      share < 1 ? lever_m / (overhead.within_m * overhead.within_m) : 1 / lever_m;
+  return sideways_m_s * inverse_1_m + (1 - share) * overhead.rate_rad_s;
 }
 
 double towards_ends(double rate, double most, double left_below, double left_above, double time_s) {
@@ -52,18 +49,13 @@ Eigen::Vector3d velocity_in_station_m_s(const TetherState& tether, const TetherC
 
 TetherCommand rates_for_velocity(const TetherState& tether,
                                  const Eigen::Vector3d& velocity_in_station_m_s,
-                                 double damped_within_m, double alignment_gain_1_m) {
+                                 double damped_within_m, const OverheadTurn& overhead) {
   const Eigen::Vector3d along =
       tether_axes_in_station(tether).transpose() * velocity_in_station_m_s;
   const Eigen::Vector3d levers_m = tether_levers_m(tether);
-  const double sideways_rad_s = along[2] * damped_inverse(levers_m[2], damped_within_m);
-  const double turn_rad_s = damping_share(levers_m[2], damped_within_m) * alignment_gain_1_m *
-                            velocity_in_station_m_s.head<2>().norm() *
-                            turn_to_line_rad(tether.azimuth_rad, velocity_in_station_m_s);
-  const bool against = sideways_rad_s * turn_rad_s < 0;
   return {.length_rate_m_s = along[0],
           .elevation_rate_rad_s = along[1] * damped_inverse(levers_m[1], damped_within_m),
-          .azimuth_rate_rad_s = sideways_rad_s + (against ? 0 : turn_rad_s)};
+          .azimuth_rate_rad_s = azimuth_rate_rad_s(levers_m[2], along[2], overhead)};
 }
 
 TetherCommand within_limits(const VehicleLimits& limits, const TetherState& tether,

@@ -20,15 +20,21 @@ namespace stillkite {
 [[nodiscard]] Eigen::Vector3d velocity_in_station_m_s(const TetherState& tether,
                                                       const TetherCommand& command);
 
-/// Rates that give a velocity: the inverse of the Jacobian, damped where a lever is shorter than
-/// `damped_within_m` (Nakamura and Hanafusa 1986): s / (s^2 + d^2) with d^2 falling from
-/// (damped_within_m / 2)^2 at lever 0 to 0 at `damped_within_m`, so that farther out it is exact.
-/// At the zenith no azimuth rate moves the drone sideways. There the azimuth also turns towards the
-/// velocity's line, by `alignment_gain_1_m` times angle times level speed, so that the elevation
-/// can; never against what the inverse asks for, so the motion has no part against the velocity.
+/// What the azimuth does near the zenith, where no azimuth rate moves the drone sideways.
+struct OverheadTurn {
+  double within_m;    ///< level distance from the zenith within which it turns so
+  double rate_rad_s;  ///< at the zenith
+};
+
+/// Rates that give a velocity: the inverse of the Jacobian. For elevation it is damped where the
+/// tether is shorter than `damped_within_m` (Nakamura and Hanafusa 1986): l / (l^2 + d^2) with d^2
+/// falling from (damped_within_m / 2)^2 at length 0 to 0 at `damped_within_m`, so that farther out
+/// it is exact. The azimuth's share of it falls with the square of its lever within `overhead`,
+/// where a turn takes over.
 [[nodiscard]] TetherCommand rates_for_velocity(const TetherState& tether,
                                                const Eigen::Vector3d& velocity_in_station_m_s,
-                                               double damped_within_m, double alignment_gain_1_m);
+                                               double damped_within_m,
+                                               const OverheadTurn& overhead);
 
 /// Each rate within its own limit, and none that would carry length or elevation beyond its end:
 /// a rate is at most (way left) / `braking_time_s`. Beyond an end 0 is always allowed.

@@ -50,7 +50,7 @@ TEST(HoldConfig, EveryDefaultIsWithinItsRange) {
   int numbers = 0;
   const HoldConfig config;
   HoldConfig::fields(config, CheckDefaults{"", numbers});
-  EXPECT_EQ(numbers, 4 + 9 + (3 + 4 * 7) + (2 * 7 + 7));
+  EXPECT_EQ(numbers, 4 + 9 + (3 + 4 * 7) + (2 * 7 + 8));
 }
 
 // docs/hold_controller.md: the double pole at -1.5 /s for a lag of 0.5 s and a latency of 0.13 s.

@@ -303,6 +303,19 @@ TEST(HoldLoop, AWindSquarelyAcrossOverheadIsSteeredAgainst) {
   EXPECT_LT(o.mean_m, 0.15);
 }
 
+// Seen from the station the drone passes 30 cm beside the zenith: the azimuth would have to turn
+// three times faster than it can. It passes on the other side instead.
+TEST(HoldLoop, PassesTheZenithWithoutChasingTheAzimuth) {
+  Loop loop{.knows_velocity = true,
+            .wind_shift_m = {0, 0.3, 0},
+            .station_speed_m_s = [](double t_s) { return t_s < 7 ? 0.2 : -0.2; },
+            .duration_s = 22};
+  const Outcome o = fly(loop);
+  print("30 cm beside the zenith", o);
+  EXPECT_LT(o.max_m, 0.5);
+  EXPECT_LT(o.mean_m, 0.15);
+}
+
 TEST(HoldLoop, NoiseMovesTheDroneLessThanItIs) {
   Loop loop{.noise_m = 0.03, .start = {2.5, 1, 0}};
   const Outcome o = fly(loop);

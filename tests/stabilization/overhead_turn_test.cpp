@@ -1,0 +1,73 @@
+#include "stabilization/overhead_turn.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <numbers>
+
+namespace stillkite {
+namespace {
+
+using Eigen::Vector2d;
+using std::numbers::pi;
+
+constexpr AzimuthDrive kDrive{.rate_limit_rad_s = 0.2, .lag_s = 0.5};
+constexpr double kHorizon_s = 5;
+
+double turn(double azimuth_rad, const Vector2d& now_m, const Vector2d& drift_m_s) {
+  return turn_to_way_rad_s(azimuth_rad, {now_m, drift_m_s}, kDrive, kHorizon_s);
+}
+
+Vector2d at(double distance_m, double azimuth_rad) {
+  return distance_m * Vector2d(std::cos(azimuth_rad), std::sin(azimuth_rad));
+}
+
+TEST(OverheadTurn, NothingWhereTheWayStaysInThePlane) {
+  EXPECT_EQ(turn(0.4, Vector2d::Zero(), Vector2d::Zero()), 0);
+  EXPECT_NEAR(turn(0.4, at(1, 0.4), at(0.2, 0.4)), 0, 1e-6);
+  EXPECT_NEAR(turn(0.4, at(1, 0.4 + pi), at(0.2, 0.4)), 0, 1e-6);  // across the zenith
+}
+
+TEST(OverheadTurn, TurnsTheShorterWayToAPlaceThatStays) {
+  for (const double off_rad : {0.3, 1.2}) {
+    EXPECT_NEAR(turn(2, at(1, 2 + off_rad), Vector2d::Zero()), 0.2, 1e-6) << off_rad;
+    EXPECT_NEAR(turn(2, at(1, 2 - off_rad), Vector2d::Zero()), -0.2, 1e-6) << off_rad;
+    // the plane holds what is on the other side as well
+    EXPECT_NEAR(turn(2, at(1, 2 + pi - off_rad), Vector2d::Zero()), -0.2, 1e-6) << off_rad;
+  }
+  const double little = turn(2, at(1, 2.03), Vector2d::Zero());
+  EXPECT_GT(little, 0.02);
+  EXPECT_LT(little, 0.15);
+}
+
+TEST(OverheadTurn, IsNotMovedByMillimetres) {
+  EXPECT_LT(std::abs(turn(0, Vector2d(0, 0.002), Vector2d::Zero())), 0.03);
+  EXPECT_GT(std::abs(turn(0, Vector2d(0, 0.05), Vector2d::Zero())), 0.15);
+}
+
+// A way that passes overhead at some distance turns by half a circle about the zenith. Far enough
+// aside the azimuth goes with it; nearer than its rate allows it goes the other way round, and the
+// elevation takes the drone across the zenith.
+TEST(OverheadTurn, LetsWhatPassesTooNearPassOnTheOtherSide) {
+  const auto passing = [](double aside_m, double ahead_m) {
+    const double azimuth_rad = std::atan2(aside_m, ahead_m);
+    return turn(azimuth_rad, {ahead_m, aside_m}, {-0.2, 0});
+  };
+  EXPECT_GT(passing(1.5, 0.4), 0.1);
+  EXPECT_LT(passing(0.2, 0.4), -0.1);
+  EXPECT_LT(passing(-1.5, 0.4), -0.1);
+  EXPECT_GT(passing(-0.2, 0.4), 0.1);
+}
+
+TEST(OverheadTurn, NeverBeyondTheLimit) {
+  for (int k = 0; k < 500; ++k) {
+    const double phase = 0.1 * k;
+    const double rate = turn(std::sin(7 * phase) * 4, at(std::fmod(phase, 3), phase),
+                             at(0.3 * std::sin(3 * phase), 2 * phase));
+    ASSERT_LE(std::abs(rate), 0.2 + 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace stillkite
