@@ -70,39 +70,45 @@ std::optional<Vector3d> metric_way_home(const RecommendedHoldConfig& config,
   return Vector3d(*direction * std::min(length_m, config.max_displacement_m));
 }
 
-// What way and turn home will be once the drone follows the commands it has: less what it has gone
-// since the exposure and will still coast, both beyond the station's own motion, which the
-// integrals have learned.
+// What the integrals have learned of the station's motion.
+LevelMotion learned_drift(const HoldAxes& axes) {
+  return {axes[0].integral, axes[1].integral, axes[2].integral, axes[kYaw].integral};
+}
+
+// By how much way and turn home have changed by now: a drift is taken to have gone on since the
+// exposure, and the drone has gone its own way.
+LevelMotion since_exposure(const HoldInput& input, const LevelMotion& drift, const OwnMotion& own) {
+  const Timestamp exposure = input.estimate->stamp;
+  return drift * seconds_between(exposure, input.now) - own.way_since(exposure);
+}
+
+// The same once the drone follows the commands it has: less what it will still coast.
 LevelMotion predicted_change(const RecommendedHoldConfig& config, const HoldInput& input,
                              const HoldAxes& axes, const OwnMotion& own) {
   if (!config.predict) return LevelMotion::Zero();
-  const LevelMotion drift(axes[0].integral, axes[1].integral, axes[2].integral,
-                          axes[kYaw].integral);
-  const double age_s = seconds_between(input.estimate->stamp, input.now);
-  return drift * age_s - own.way_since(input.estimate->stamp) + config.lag_s * (drift - own.rate());
+  const LevelMotion drift = learned_drift(axes);
+  return since_exposure(input, drift, own) + config.lag_s * (drift - own.rate());
 }
 
 // The way home by now, and at which it grows without commands: what moves the drone beside its own
-// model, the station and the wind, is taken to go on.
+// model, the station and the wind.
 struct Home {
   Vector3d way_m;
   Vector3d drift_m_s;
-  bool drift_is_measured;  // as where the estimate knows the velocity; else the integrals learn it
+  bool drift_is_measured;  // where the estimate knows the velocity
 };
 
 Home home_by_now(const RecommendedHoldConfig& config, const HoldInput& input, const HoldAxes& axes,
                  const OwnMotion& own, const Vector3d& way_m) {
   if (!config.predict) return {way_m, Vector3d::Zero(), false};
-  const Timestamp exposure = input.estimate->stamp;
-  Home home{way_m, {axes[0].integral, axes[1].integral, axes[2].integral}, false};
-  if (const auto velocity_m_s =
-          velocity_in_station_m_s(*input.estimate, input.station_from_camera)) {
-    home.drift_m_s = own.rate_at(exposure).head<3>() - *velocity_m_s;
-    home.drift_is_measured = true;
+  LevelMotion drift = learned_drift(axes);
+  const std::optional<Vector3d> velocity_m_s =
+      velocity_in_station_m_s(*input.estimate, input.station_from_camera);
+  if (velocity_m_s) {
+    drift.head<3>() = own.rate_at(input.estimate->stamp).head<3>() - *velocity_m_s;
   }
-  const double age_s = seconds_between(exposure, input.now);
-  home.way_m += home.drift_m_s * age_s - own.way_since(exposure).head<3>();
-  return home;
+  return {way_m + since_exposure(input, drift, own).head<3>(), drift.head<3>(),
+          velocity_m_s.has_value()};
 }
 
 // The velocity to command: d'' = -2 p d' - p^2 d follows from w' = (u - w) / lag.
