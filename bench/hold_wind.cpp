@@ -1,4 +1,4 @@
-// How the hold answers wind: the hold paper's ways on the hovers' plant, its tether read as ever,
+// How the hold answers wind: the hold paper's ways on the hovers' plant, its tether read at once,
 // but the pose told as it is, with noise, instead of by pictures. Minutes of video become
 // milliseconds.
 

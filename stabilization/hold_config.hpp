@@ -83,7 +83,7 @@ struct RecommendedHoldConfig {
           "length of the tether below which the elevation rate is damped, and level distance from "
           "the zenith within which the azimuth turns to the way ahead, or farther out if the "
           "station is fast");
-    field("overhead_horizon_s", self.overhead_horizon_s, Range{0.1, 60},
+    field("overhead_horizon_s", self.overhead_horizon_s, Range{0.5, 20},
           "how far ahead it looks there");
     field("drift_memory_s", self.drift_memory_s, Range{0, 60},
           "there, time constant of the mean motion that is taken to go on so long: no gust");

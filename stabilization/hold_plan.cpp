@@ -6,9 +6,9 @@
 
 #include "geometry/time.hpp"
 #include "stabilization/hold_errors.hpp"
-#include "stabilization/overhead_turn.hpp"
 #include "stabilization/tether.hpp"
 #include "stabilization/tether_rates.hpp"
+#include "stabilization/turn_to_way.hpp"
 
 namespace stillkite {
 namespace {
@@ -70,7 +70,7 @@ std::optional<Vector3d> metric_way_home(const RecommendedHoldConfig& config,
   return Vector3d(*direction * std::min(length_m, config.max_displacement_m));
 }
 
-// What the integrals have learned of the station's motion.
+// The rate at which way and turn home grow without commands, as the integrals have learned it.
 LevelMotion learned_drift(const HoldAxes& axes) {
   return {axes[0].integral, axes[1].integral, axes[2].integral, axes[kYaw].integral};
 }
@@ -90,8 +90,8 @@ LevelMotion predicted_change(const RecommendedHoldConfig& config, const HoldInpu
   return since_exposure(input, drift, own) + config.lag_s * (drift - own.rate());
 }
 
-// The way home by now, and at which it grows without commands: what moves the drone beside its own
-// model, the station and the wind.
+// The way home by now, and the rate at which it grows without commands, by what moves the drone
+// beside its own model: the station and the wind.
 struct Home {
   Vector3d way_m;
   Vector3d drift_m_s;

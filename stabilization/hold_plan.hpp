@@ -17,8 +17,8 @@ using HoldAxes = std::array<PidState, 4>;
 /// What the controllers carry from one decision to the next.
 struct HoldMemory {
   HoldAxes axes;
-  /// At which the way home grows without commands, in the mean of the last seconds: the station's
-  /// motion without gusts. Of the recommended mode.
+  /// The rate at which the way home grows without commands, in the mean of the last seconds: the
+  /// opposite of the station's motion, without gusts. Of the recommended mode.
   Eigen::Vector3d drift_in_station_m_s = Eigen::Vector3d::Zero();
 };
 

@@ -30,7 +30,7 @@ struct OverheadTurn {
 /// tether is shorter than `damped_within_m` (Nakamura and Hanafusa 1986): l / (l^2 + d^2) with d^2
 /// falling from (damped_within_m / 2)^2 at length 0 to 0 at `damped_within_m`, so that farther out
 /// it is exact. The azimuth's share of it falls with the square of its lever within `overhead`,
-/// where a turn takes over.
+/// where a turn takes over, which may for a while lead away from the velocity.
 [[nodiscard]] TetherCommand rates_for_velocity(const TetherState& tether,
                                                const Eigen::Vector3d& velocity_in_station_m_s,
                                                double damped_within_m,

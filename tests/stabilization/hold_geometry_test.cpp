@@ -120,7 +120,7 @@ TEST(HoldGeometry, RecommendedMovesStraightHome) {
                       std::abs(decision.command.elevation_rate_rad_s) < 0.25 &&
                       std::abs(decision.command.azimuth_rate_rad_s) < 0.2 &&
                       displacement.norm() < 0.5 &&
-                      std::abs(tether.length_m * std::cos(tether.elevation_rad)) > 2;
+                      std::abs(tether.length_m * std::cos(tether.elevation_rad)) > 0.5;
     const bool far_from_ends =
         tether.elevation_rad > 0.5 && tether.elevation_rad < pi - 0.5 && tether.length_m > 1.1;
     if (!free || !far_from_ends) continue;

@@ -303,8 +303,8 @@ TEST(HoldLoop, AWindSquarelyAcrossOverheadIsSteeredAgainst) {
   EXPECT_LT(o.mean_m, 0.15);
 }
 
-// Seen from the station the drone passes 30 cm beside the zenith: the azimuth would have to turn
-// three times faster than it can. It passes on the other side instead.
+// Where the drone is kept passes 30 cm beside the zenith: the azimuth would have to turn three
+// times faster than it can. It passes on the other side instead.
 TEST(HoldLoop, PassesTheZenithWithoutChasingTheAzimuth) {
   Loop loop{.knows_velocity = true,
             .wind_shift_m = {0, 0.3, 0},

@@ -1,4 +1,4 @@
-#include "stabilization/overhead_turn.hpp"
+#include "stabilization/turn_to_way.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,13 +23,13 @@ Vector2d at(double distance_m, double azimuth_rad) {
   return distance_m * Vector2d(std::cos(azimuth_rad), std::sin(azimuth_rad));
 }
 
-TEST(OverheadTurn, NothingWhereTheWayStaysInThePlane) {
+TEST(TurnToWay, NothingWhereTheWayStaysInThePlane) {
   EXPECT_EQ(turn(0.4, Vector2d::Zero(), Vector2d::Zero()), 0);
   EXPECT_NEAR(turn(0.4, at(1, 0.4), at(0.2, 0.4)), 0, 1e-6);
   EXPECT_NEAR(turn(0.4, at(1, 0.4 + pi), at(0.2, 0.4)), 0, 1e-6);  // across the zenith
 }
 
-TEST(OverheadTurn, TurnsTheShorterWayToAPlaceThatStays) {
+TEST(TurnToWay, TurnsTheShorterWayToAPlaceThatStays) {
   for (const double off_rad : {0.3, 1.2}) {
     EXPECT_NEAR(turn(2, at(1, 2 + off_rad), Vector2d::Zero()), 0.2, 1e-6) << off_rad;
     EXPECT_NEAR(turn(2, at(1, 2 - off_rad), Vector2d::Zero()), -0.2, 1e-6) << off_rad;
@@ -41,7 +41,7 @@ TEST(OverheadTurn, TurnsTheShorterWayToAPlaceThatStays) {
   EXPECT_LT(little, 0.15);
 }
 
-TEST(OverheadTurn, IsNotMovedByMillimetres) {
+TEST(TurnToWay, IsNotMovedByMillimetres) {
   EXPECT_LT(std::abs(turn(0, Vector2d(0, 0.002), Vector2d::Zero())), 0.03);
   EXPECT_GT(std::abs(turn(0, Vector2d(0, 0.05), Vector2d::Zero())), 0.15);
 }
@@ -49,7 +49,7 @@ TEST(OverheadTurn, IsNotMovedByMillimetres) {
 // A way that passes overhead at some distance turns by half a circle about the zenith. Far enough
 // aside the azimuth goes with it; nearer than its rate allows it goes the other way round, and the
 // elevation takes the drone across the zenith.
-TEST(OverheadTurn, LetsWhatPassesTooNearPassOnTheOtherSide) {
+TEST(TurnToWay, LetsWhatPassesTooNearPassOnTheOtherSide) {
   const auto passing = [](double aside_m, double ahead_m) {
     const double azimuth_rad = std::atan2(aside_m, ahead_m);
     return turn(azimuth_rad, {ahead_m, aside_m}, {-0.2, 0});
@@ -60,7 +60,13 @@ TEST(OverheadTurn, LetsWhatPassesTooNearPassOnTheOtherSide) {
   EXPECT_GT(passing(-0.2, 0.4), 0.1);
 }
 
-TEST(OverheadTurn, NeverBeyondTheLimit) {
+TEST(TurnToWay, NothingForWhatCannotBe) {
+  EXPECT_EQ(turn(0, Vector2d(0, std::nan("")), Vector2d::Zero()), 0);
+  EXPECT_EQ(turn(0, Vector2d(0, 1), Vector2d(1e300, 1e300)), 0);
+  EXPECT_EQ(turn_to_way_rad_s(0, {Vector2d(0, 1), Vector2d::Zero()}, {0, 0.5}, kHorizon_s), 0);
+}
+
+TEST(TurnToWay, NeverBeyondTheLimit) {
   for (int k = 0; k < 500; ++k) {
     const double phase = 0.1 * k;
     const double rate = turn(std::sin(7 * phase) * 4, at(std::fmod(phase, 3), phase),

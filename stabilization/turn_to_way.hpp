@@ -20,7 +20,8 @@ struct AzimuthDrive {
 /// near to that way as it can, in the mean of squares; the elevation then moves the drone within
 /// the plane, also across the zenith. Near overhead, where the way asks for more than the azimuth
 /// can turn, this tells whether to turn with it or to let it pass on the other side. Two moves are
-/// looked ahead, the first of `kFirstMove_s` (predictive control; docs/hold_controller.md).
+/// looked ahead, the first of half a second (predictive control; docs/hold_controller.md).
+/// 0 for a way that is not finite.
 [[nodiscard]] double turn_to_way_rad_s(double azimuth_rad, const LevelWay& way,
                                        const AzimuthDrive& drive, double horizon_s);
 

@@ -1,4 +1,4 @@
-#include "stabilization/overhead_turn.hpp"
+#include "stabilization/turn_to_way.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@ namespace {
 constexpr double kFirstMove_s = 0.5;
 constexpr int kInstants = 12;
 constexpr int kRates = 10;  // to either side of 0
-// So far the plane may stay off the way before the azimuth turns as fast as it can.
+// What turning as fast as it can costs: as much as a plane that is off the way by this.
 constexpr double kWorthTheTurn_m = 0.005;
 
 struct Instant {
@@ -77,6 +77,7 @@ double turn_to_way_rad_s(double azimuth_rad, const LevelWay& way, const AzimuthD
   }
   const auto best = static_cast<std::size_t>(std::min_element(costs_m2.begin(), costs_m2.end()) -
                                              costs_m2.begin());
+  if (!std::isfinite(costs_m2[best])) return 0;  // no way that can be
   const double rate_rad_s = step_rad_s * (static_cast<int>(best) - kRates);
   if (best == 0 || best + 1 == costs_m2.size()) return rate_rad_s;
   return rate_rad_s +
