@@ -334,6 +334,42 @@ TEST(HoldController, ZeroDisplacementKeepsTheLearnedDriftOnly) {
   EXPECT_EQ(at(5, Vector3d::Zero()).norm(), 0);
 }
 
+TEST(HoldController, AnAzimuthThatCannotTurnIsNotTurned) {
+  HoldConfig config;
+  config.limits.azimuth_rate_rad_s = 0;
+  for (const Vector3d& velocity_m_s : {Vector3d(0, 0, 0), Vector3d(0.2, 0.1, 0)}) {
+    HoldController controller(config);
+    HoldInput input = input_of({.tether = Tether::zenith});
+    input.estimate->twist_in_camera = Twist{.velocity_m_s = velocity_m_s};
+    for (int k = 0; k < 30; ++k) {
+      input.now.ns += 33'000'000;
+      input.estimate->stamp = input.tether->stamp = input.now;
+      const HoldDecision d = controller.decide(input);
+      ASSERT_EQ(d.action, HoldAction::command);
+      ASSERT_EQ(d.command.azimuth_rate_rad_s, 0);
+    }
+  }
+}
+
+// Overhead the azimuth turns to where a drift leads; after a longer loss it does not know of it.
+TEST(HoldController, TheDriftThatTurnsTheAzimuthIsForgotten) {
+  HoldController used({}), fresh({});
+  HoldInput input = input_of({.tether = Tether::zenith});
+  input.estimate->displacement_in_reference.setZero();
+  const auto azimuth_rate_at = [&](HoldController& controller, double t_s, double aside_m_s) {
+    input.now = input.estimate->stamp = input.tether->stamp = from_seconds(t_s);
+    input.estimate->twist_in_camera = Twist{.velocity_m_s = {aside_m_s, 0, 0}};
+    return controller.decide(input).command.azimuth_rate_rad_s;
+  };
+  double drifting_rad_s = 0;
+  for (int k = 0; k < 60; ++k) drifting_rad_s = azimuth_rate_at(used, k / 30.0, 0.2);
+  EXPECT_GT(std::abs(drifting_rad_s), 0.1);
+  input.estimate->status = EstimateStatus::lost;
+  for (int k = 60; k < 240; ++k) (void)azimuth_rate_at(used, k / 30.0, 0);
+  input.estimate->status = EstimateStatus::ok;
+  EXPECT_NEAR(azimuth_rate_at(used, 8, 0), azimuth_rate_at(fresh, 8, 0), 0.03);
+}
+
 TEST(HoldController, RejectsALengthWithoutRange) {
   HoldConfig config;
   config.limits.min_length_m = 20;
