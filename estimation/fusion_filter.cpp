@@ -31,16 +31,20 @@ FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
   set(Index::kAccelBias, 3, config.accel_bias_sigma_m_s2);
   set(Index::kTilt, 2, config.tilt_sigma_rad);
   set(Index::kScale, 1, config.scale_sigma_ratio);
-  set(Index::kHeight, 1, config.height_sigma_ratio);
-  doubt_height(start.log_unit_sigma);
+  add_height_variance(square(config.height_sigma_ratio) + square(start.log_unit_sigma));
   prediction_ = {state_, own_covariance(), OwnMatrix::Identity()};
 }
 
-// Of a unit that is no metre the height is as many metres: both or neither.
 void FusionFilter::doubt_height(double sigma_ratio) {
   start_.remember([=](FusionFilter& filter) { filter.doubt_height(sigma_ratio); });
+  add_height_variance(square(sigma_ratio));
+}
+
+// Of its metres, not of its units, exp(-(log_scale + log_height)): what shows of these later, as
+// that depths were guessed too short, is to tell nothing of the height that was given.
+void FusionFilter::add_height_variance(double variance) {
   P_.block<2, 2>(Index::kScale, Index::kScale) +=
-      square(sigma_ratio) * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
+      variance * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
 }
 
 int FusionFilter::size() const {

@@ -171,6 +171,7 @@ class FusionFilter {
   bool correct_jointly(std::vector<LandmarkView>& views);
   // 4. Ground and start.
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
+  void add_height_variance(double variance);
   [[nodiscard]] std::optional<Innovation<1>> ground_innovation(const Landmark& landmark,
                                                                int column) const;
   [[nodiscard]] bool has_outgrown_its_scale() const;

@@ -171,7 +171,7 @@ int FusionFilter::update_ground(bool is_flat) {
     if (has_outgrown_its_scale()) forget_scale();
     is_first = std::none_of(landmarks_.begin(), landmarks_.end(),
                             [](const Landmark& l) { return l.is_on_ground; });
-    if (is_first) P_(Index::kHeight, Index::kHeight) += doubt_of_level(ground);
+    if (is_first) add_height_variance(doubt_of_level(ground));
   }
   // 2. So high the anchor is, by what is known of the start and the way since.
   int count = 0;
@@ -202,7 +202,7 @@ void FusionFilter::forget_scale() {
   P_.block<2, Eigen::Dynamic>(Index::kScale, 0, 2, n).setZero();
   P_.block<Eigen::Dynamic, 2>(0, Index::kScale, n, 2).setZero();
   P_(Index::kScale, Index::kScale) = square(config_.scale_sigma_ratio);
-  P_(Index::kHeight, Index::kHeight) = square(config_.height_sigma_ratio);
+  add_height_variance(square(config_.height_sigma_ratio));
   state_.log_height = 0;
   for (Landmark& landmark : landmarks_) landmark.is_on_ground = false;
 }

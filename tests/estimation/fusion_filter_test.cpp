@@ -249,9 +249,10 @@ FusionFilter filter_with(const std::vector<LowPoint>& points, double common_rati
   FusionFilter filter({}, {.world_from_camera = {Eigen::Quaterniond(ahead), {0, 0, 3}}});
   filter.take_anchor();
   FusionMap map = filter.map();
-  const Eigen::Index before = map.covariance.rows();
-  Eigen::VectorXd variance(before + 3 * static_cast<Eigen::Index>(points.size()));
-  variance.head(before) = map.covariance.diagonal();
+  const Eigen::MatrixXd known = map.covariance;
+  const Eigen::Index before = known.rows();
+  Eigen::VectorXd variance =
+      Eigen::VectorXd::Zero(before + 3 * static_cast<Eigen::Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double inverse_depth = 0.5 / points[i].below_m;
     map.landmarks.push_back({.feature = static_cast<int>(i),
@@ -266,6 +267,7 @@ FusionFilter filter_with(const std::vector<LowPoint>& points, double common_rati
         common_ratio * map.landmarks[i].inverse_depth;
   }
   map.covariance = common * common.transpose();
+  map.covariance.topLeftCorner(before, before) += known;
   map.covariance.diagonal() += variance;
   filter.restore(map);
   return filter;
@@ -313,12 +315,14 @@ TEST(FusionFilter, FindsTheGroundWhereItIsRough) {
 }
 
 // In a unit that is wrong by two thirds nine heights that are alike are one and the same scale: the
-// first of them must not settle it where the others are not.
+// first of them must not settle it where the others are not. That a unit was wrong says nothing of
+// the metres that were given.
 TEST(FusionFilter, TellsAScaleThatIsWrongByFarAtOnce) {
   for (const double below : {1.5, 3.0, 5.0}) {
     FusionFilter filter = filter_with(std::vector<LowPoint>(9, {below, 0.001}));
     EXPECT_EQ(filter.update_ground(false), 9) << below;
     EXPECT_NEAR(filter.state().log_scale, std::log(3 / below), 0.005) << below;
+    EXPECT_NEAR(filter.state().log_height, 0, 1e-9) << below;
   }
 }
 

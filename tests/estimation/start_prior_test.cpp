@@ -46,7 +46,7 @@ FusionConfig plain() {
   FusionConfig config;
   config.relinearize_start = false;
   config.landmarks = 0;
-  config.scale_sigma_ratio = 1e-6;  // that a map unit is a metre
+  config.scale_sigma_ratio = config.height_sigma_ratio = 1e-6;  // that a map unit is a metre
   return config;
 }
 
