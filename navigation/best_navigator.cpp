@@ -19,6 +19,14 @@ Matrix6d both_turned(const Matrix6d& covariance, const Eigen::Quaterniond& rotat
   return R * covariance * R.transpose();
 }
 
+// What may be wrong by as much as it is, in lengths and, taken for a turn, in lengths over the
+// height.
+Matrix6d unproven(double length, double height) {
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(length), Eigen::Vector3d::Constant(length / height);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
 }  // namespace
 
 BestNavigator::BestNavigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -85,6 +93,11 @@ NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,
     out.velocity_in_world_m_s = world_from_camera.rotation * flow.twist_in_camera.velocity_m_s;
     out.pose_covariance = both_turned(flow.pose_covariance, world * turn * world.conjugate()) +
                           both_turned(decision_.correction_covariance, world);
+    if (decision_.unproven_way > 0) {
+      const double height = world_from_start_->translation.z();
+      out.pose_covariance += unproven(decision_.unproven_way, height);
+      out.twist_covariance += unproven(flow.twist_in_camera.velocity_m_s.norm(), height);
+    }
   }
   out.reference = reference.reference;
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);

@@ -64,13 +64,17 @@ EstimateDecision EstimateChoice::step(const EstimatePair& estimates) {
   if (is_flow_ok && is_reference_ok) {
     choose(estimates);
   } else if (is_flow_ok || is_reference_ok) {
-    const bool is_flow_taken = is_flow_ok && is_ground_flat_;
+    const bool is_flow_taken = is_flow_ok && may_be_flat();
     take(is_flow_taken ? EstimateSource::flow : EstimateSource::reference);
   }
   // 3. Where the camera is by it: a lost flow predicts, the reference's place is carried on.
   const bool is_flow_chosen = decision_.source == EstimateSource::flow;
   const RigidTransform flow = decision_.home_from_flow * pose_of(estimates.flow);
-  if (is_flow_ok) decision_.start_from_camera.translation = flow.translation;
+  if (is_flow_ok) {
+    decision_.start_from_camera.translation = flow.translation;
+    furthest_way_ = std::max(furthest_way_, flow.translation.norm());
+  }
+  decision_.unproven_way = is_ground_flat_.value_or(false) ? 0 : furthest_way_;
   if (is_flow_chosen && is_finite_pose(estimates.flow)) decision_.start_from_camera = flow;
   if (!is_flow_chosen && is_reference_ok) {
     decision_.start_from_camera.rotation = rotation_by_reference(estimates);
@@ -95,7 +99,7 @@ void EstimateChoice::choose(const EstimatePair& estimates) {
   const bool is_flow_chosen = decision_.source == EstimateSource::flow;
   // a flow that was interrupted, or is not believed, goes on from what the reference says
   if (!was_flow_ok_ && !is_flow_seen_) hand_over(estimates);
-  const bool does_agree = is_ground_flat_ && agree(estimates);
+  const bool does_agree = may_be_flat() && agree(estimates);
   const bool is_flow_preferred = is_flow_seen_ || does_agree;
   frames_for_other_ = is_flow_preferred == is_flow_chosen ? 0 : frames_for_other_ + 1;
   const bool is_due = frames_for_other_ >= config_.patience_frames;

@@ -50,6 +50,9 @@ struct EstimateDecision {
   RigidTransform home_from_flow;     ///< what is put before the flow's pose from the start
   /// What that adds to the flow's covariance: (translation, rotation vector), start's axes.
   Matrix6d correction_covariance = Matrix6d::Zero();
+  /// So far the flow has come since the start, in its unit, while nothing has shown that the ground
+  /// is flat: by as much it may be wrong. 0 once that has shown.
+  double unproven_way = 0;
 };
 
 /// Chooses one of two estimates frame by frame (docs/choice.md). The flow has metres and velocity,
@@ -63,6 +66,7 @@ class EstimateChoice {
 
  private:
   void judge_ground(const EstimatePair& estimates);
+  [[nodiscard]] bool may_be_flat() const { return is_ground_flat_.value_or(true); }
   void choose(const EstimatePair& estimates);
   [[nodiscard]] bool agree(const EstimatePair& estimates) const;
   void hand_over(const EstimatePair& estimates);
@@ -71,10 +75,11 @@ class EstimateChoice {
 
   EstimateChoiceConfig config_;
   EstimateDecision decision_;
-  int frames_for_other_ = 0;    // in a row
-  bool is_ground_flat_ = true;  // as far as the features have shown
-  bool is_flow_seen_ = false;   // they are where the flow's motion takes them
+  int frames_for_other_ = 0;            // in a row
+  std::optional<bool> is_ground_flat_;  // once the features have shown it
+  bool is_flow_seen_ = false;           // they are where the flow's motion takes them
   bool was_flow_ok_ = true;
+  double furthest_way_ = 0;
 };
 
 }  // namespace stillkite

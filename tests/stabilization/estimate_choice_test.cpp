@@ -103,6 +103,20 @@ TEST(EstimateChoice, KnowsOfReliefUntilParallaxTellsOtherwise) {
   EXPECT_EQ(source_after(choice, seen(flow, reference, 0.05), 1), EstimateSource::flow);
 }
 
+// As long as parallax has told nothing the flow's metres may be those of any ground.
+TEST(EstimateChoice, DoubtsTheFlowsWayUntilFlatGroundHasShown) {
+  EstimateChoice choice({});
+  const auto unproven_way = [&](const Vector3d& way, std::optional<double> relief_ratio) {
+    const EstimatePair pair = seen(flow_at(way), reference_towards(way), relief_ratio);
+    return choice.step(pair).unproven_way;
+  };
+  EXPECT_DOUBLE_EQ(unproven_way(0.2 * kAhead, {}), 0.2);
+  EXPECT_DOUBLE_EQ(unproven_way(0.1 * kAside, {}), 0.2);  // what went wrong on the way stays
+  EXPECT_EQ(unproven_way(0.3 * kAhead, 0.05), 0);
+  EXPECT_EQ(unproven_way(0.1 * kAhead, {}), 0);
+  EXPECT_DOUBLE_EQ(unproven_way(0.4 * kAhead, 0.5), 0.4);  // it stays chosen for some frames
+}
+
 // A reference whose pose is a false one, on a plane an essential matrix often is.
 TEST(EstimateChoice, TakesTheFlowWhileTheFeaturesAreWhereItTakesThem) {
   EstimateChoice choice({});
