@@ -165,6 +165,23 @@ BearingColumns::BearingColumns(std::span<const BearingPair> pairs, std::span<con
   }
 }
 
+BearingColumns::BearingColumns(const BearingColumns& all, std::span<const std::size_t> some)
+    : size_(some.size()) {
+  const std::size_t count = (size_ + kPadding - 1) / kPadding * kPadding;
+  const auto take = [&](auto column) {
+    (this->*column).assign(count, 0);
+    for (std::size_t i = 0; i < size_; ++i) (this->*column)[i] = (all.*column)[some[i]];
+  };
+  for (const auto column : {&BearingColumns::ax, &BearingColumns::ay, &BearingColumns::bx,
+                            &BearingColumns::by, &BearingColumns::weight}) {
+    take(column);
+  }
+  for (const auto column : {&BearingColumns::fax, &BearingColumns::fay, &BearingColumns::fbx,
+                            &BearingColumns::fby, &BearingColumns::fweight}) {
+    take(column);
+  }
+}
+
 SampsonSums sampson_sums(const BearingColumns& columns, const Eigen::Matrix3d& E, double cutoff) {
   const RowMajor3d rows = E;
   std::array<double, 58> sum{};

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "estimation/sampson_refinement.hpp"
+#include "estimation/shared_error.hpp"
 #include "estimation/transfer_error.hpp"
 
 namespace stillkite {
@@ -124,7 +125,8 @@ Eigen::Matrix3d fit_homography(const BearingColumns& columns, double threshold, 
 }
 
 Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view, double cutoff) {
-  const TransferSums sums = transfer_sums(columns, view.homography(), cutoff);
+  const Eigen::Matrix3d H = view.homography();
+  const TransferSums sums = transfer_sums(columns, H, cutoff);
   const double length = view.translation.norm();
   if (!(sums.count > 4) || !(sums.slope > 0) || !(length > 0)) return Matrix6d::Zero();
   const HomographyJacobian J = homography_jacobian(view);
@@ -135,7 +137,10 @@ Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view, 
   }
   const double variance = sums.count / (sums.count - 4) * 0.5 * sums.squared_influence *
                           sums.weight / (sums.slope * sums.slope);
-  const Matrix8d of_step = variance * factor.solve(Matrix8d::Identity());
+  const double shared = shared_error_ratio<8>(
+      columns, J, normal, 0.5 * sums.squared_influence / sums.weight,
+      [&](const BearingColumns& some) { return transfer_sums(some, H, cutoff); });
+  const Matrix8d of_step = shared * variance * factor.solve(Matrix8d::Identity());
   // of a vector's direction only what stands across it counts
   const Eigen::Vector3d t = view.translation / length;
   Matrix6d to_errors = Matrix6d::Identity();

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "estimation/shared_error.hpp"
 #include "estimation/transfer_error.hpp"
 
 namespace stillkite {
@@ -78,14 +79,18 @@ Eigen::Quaterniond fit_rotation(const BearingColumns& columns, double threshold,
 Matrix6d rotation_covariance(const BearingColumns& columns,
                              const Eigen::Quaterniond& current_from_reference, double cutoff) {
   Matrix6d covariance = Matrix6d::Zero();
-  const TransferSums sums =
-      transfer_sums(columns, current_from_reference.toRotationMatrix(), cutoff);
+  const Eigen::Matrix3d R = current_from_reference.toRotationMatrix();
+  const TransferSums sums = transfer_sums(columns, R, cutoff);
   if (!(sums.count > 2) || !(sums.slope > 0)) return covariance;
   const Eigen::Matrix<double, 9, 3> J = rotation_jacobian(current_from_reference);
   const Eigen::Matrix3d normal = J.transpose() * sums.normal * J;
   const double variance = sums.count / (sums.count - 1.5) * 0.5 * sums.squared_influence *
                           sums.weight / (sums.slope * sums.slope);
-  const Eigen::Matrix3d of_step = variance * normal.ldlt().solve(Eigen::Matrix3d::Identity());
+  const double shared = shared_error_ratio<3>(
+      columns, J, normal, 0.5 * sums.squared_influence / sums.weight,
+      [&](const BearingColumns& some) { return transfer_sums(some, R, cutoff); });
+  const Eigen::Matrix3d of_step =
+      shared * variance * normal.ldlt().solve(Eigen::Matrix3d::Identity());
   if (of_step.allFinite()) covariance.topLeftCorner<3, 3>() = of_step;
   return covariance;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "estimation/shared_error.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
@@ -59,7 +60,8 @@ RelativePose refine_pose(const BearingColumns& columns, RelativePose pose, doubl
 }
 
 Matrix6d pose_covariance(const BearingColumns& columns, const RelativePose& pose, double cutoff) {
-  const SampsonSums sums = sampson_sums(columns, essential_matrix(pose), cutoff);
+  const Eigen::Matrix3d E = essential_matrix(pose);
+  const SampsonSums sums = sampson_sums(columns, E, cutoff);
   if (!(sums.count > 5) || !(sums.slope > 0)) return Matrix6d::Zero();
   const Eigen::Matrix<double, 9, 5> J = essential_jacobian(pose);
   const Matrix5d normal = J.transpose() * sums.normal * J;
@@ -70,7 +72,10 @@ Matrix6d pose_covariance(const BearingColumns& columns, const RelativePose& pose
   // n / (n - 5) mean(psi^2) / mean(psi')^2, and mean(w) since the normal matrix is a weighted one
   const double variance = sums.count / (sums.count - 5) * sums.squared_influence * sums.weight /
                           (sums.slope * sums.slope);
-  const Matrix5d of_step = variance * factor.solve(Matrix5d::Identity());
+  const double shared = shared_error_ratio<5>(
+      columns, J, normal, sums.squared_influence / sums.weight,
+      [&](const BearingColumns& some) { return sampson_sums(some, E, cutoff); });
+  const Matrix5d of_step = shared * variance * factor.solve(Matrix5d::Identity());
   Eigen::Matrix<double, 6, 5> to_errors = Eigen::Matrix<double, 6, 5>::Zero();
   to_errors.topLeftCorner<3, 3>().setIdentity();
   to_errors.bottomRightCorner<3, 2>() = tangent_basis(pose.direction);

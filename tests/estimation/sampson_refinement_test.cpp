@@ -122,7 +122,9 @@ INSTANTIATE_TEST_SUITE_P(
     Scenes, Covariance,
     testing::Values(TwoViewScene{.points = 300, .relief = 0.4},
                     TwoViewScene{.points = 300, .relief = 0.4, .outliers = 0.3},
-                    TwoViewScene{.content = ViewModel::plane, .points = 300, .outliers = 0.2}));
+                    TwoViewScene{.content = ViewModel::plane, .points = 300, .outliers = 0.2},
+                    TwoViewScene{.points = 1000, .relief = 0.4, .patch_px = 0.3},
+                    TwoViewScene{.content = ViewModel::plane, .points = 1000, .patch_px = 0.3}));
 
 }  // namespace
 }  // namespace stillkite

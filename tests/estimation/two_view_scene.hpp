@@ -23,6 +23,7 @@ struct TwoViewScene {
   double baseline = 0.1;  ///< length of the translation
   double relief = 0.12;   ///< full range of the depths
   double noise_px = 0.3;  ///< a coordinate, in both views
+  double patch_px = 0;    ///< a coordinate, in the current view, the same within 60x60 px
   double outliers = 0;    ///< part of the pairs
   double turn_rad = 0.1;
 };
@@ -68,6 +69,17 @@ struct TwoViews {
     const double sigma = scene.noise_px / TwoViewScene::kFocal_px;
     return Eigen::Vector2d(sigma * normal(random), sigma * normal(random));
   };
+  std::mt19937 patch_random(seed + 1);
+  std::vector<Eigen::Vector2d> patches;
+  for (int i = 0; i < 20 * 20; ++i) {
+    const double x = normal(patch_random);
+    patches.emplace_back(x, normal(patch_random));
+  }
+  const auto patch = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
+    const Eigen::Vector2i at = (p * TwoViewScene::kFocal_px / 60).array().floor().cast<int>();
+    return scene.patch_px / TwoViewScene::kFocal_px *
+           patches[static_cast<std::size_t>(20 * (at.y() + 10) + at.x() + 10)];
+  };
   double squares = 0;
   // least squares of the displacements by a small rotation
   Eigen::Matrix3d turning = Eigen::Matrix3d::Zero();
@@ -88,7 +100,8 @@ struct TwoViews {
     const Eigen::Vector3d turned = views.truth.current_from_reference * a.homogeneous();
     const Eigen::Vector3d moved = depth * turned + scene.baseline * views.truth.direction;
     if (moved.z() < 0.05 || !inside(moved.hnormalized())) continue;
-    views.pairs.push_back({a + noise(), moved.hnormalized() + noise()});
+    const Eigen::Vector2d b = moved.hnormalized();
+    views.pairs.push_back({a + noise(), b + patch(b) + noise()});
     views.is_inlier.push_back(1);
     const Eigen::Vector2d p = turned.hnormalized();
     const Eigen::Vector2d displacement = moved.hnormalized() - p;
