@@ -13,6 +13,7 @@
 #include "estimation/sampson_refinement.hpp"
 #include "estimation/transfer_error.hpp"
 #include "estimation/view_model.hpp"
+#include "geometry/angle.hpp"
 
 namespace stillkite {
 namespace {
@@ -152,19 +153,40 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3
   return estimate;
 }
 
-// A scene that is nearly flat has a second, false minimum near the plane's other pose: the better
-// of both is taken.
-EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit,
-                          const Eigen::Matrix3d& plane) {
+// Of many wrong pairs the cost is much the same by either, of few true ones the median pair's
+// error.
+bool explains_far_less(const Problem& problem, const EssentialFit& fit, const EssentialFit& best) {
+  constexpr double kCosts = 3;
+  constexpr double kNoises = 5;
+  const auto noise = [&](const RelativePose& pose) {
+    return scale_below(sampson_distances(problem.columns, essential_matrix(pose)),
+                       problem.threshold, kSigmaOfMedian);
+  };
+  return fit.cost > kCosts * best.cost || noise(fit.pose) > kNoises * noise(best.pose);
+}
+
+// A scene that is nearly flat has a second minimum near the plane's other pose. What a lens is off
+// by may make the false one the better of both: which of them keeps the vertical, or the ground
+// level, says more, unless it explains far less. Nothing where that one slides far along the valley
+// in which rotation and direction turn together: there the plane tells more than what is off it.
+std::optional<EssentialFit> beside_plane(const Problem& problem, const EssentialFit& fit,
+                                         const Eigen::Matrix3d& plane) {
+  constexpr double kFar_rad = 15 * kDegree;
+  const std::array<PlaneView, 2> views = decompose_homography(plane);
+  const std::optional<std::size_t> known = view_by_vertical(views, problem.hints, problem.config);
   EssentialFit best = fit;
-  for (const PlaneView& view : decompose_homography(plane)) {
-    if (!(view.translation.norm() > 0)) continue;
+  std::optional<EssentialFit> of_known;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    if (!(views[k].translation.norm() > 0)) continue;
     const EssentialFit other = optimise_start(
-        problem.columns, {view.current_from_reference, view.translation.normalized()},
+        problem.columns, {views[k].current_from_reference, views[k].translation.normalized()},
         problem.threshold);
     if (other.cost < best.cost) best = other;
+    if (known == k) of_known = other;
   }
-  return best;
+  if (!of_known || explains_far_less(problem, *of_known, best)) return best;
+  const double slid_rad = angle_between_rad(of_known->pose.direction, views[*known].translation);
+  return slid_rad < kFar_rad ? of_known : std::nullopt;
 }
 
 // On weights of bounded leverage, which a better pose may shift.
@@ -256,7 +278,9 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
   if (outside > 0.5 * static_cast<double>(inliers.size())) {
     return general_estimate(problem, refined);
   }
-  return general_estimate(problem, refine_essential(problem, beside_plane(problem, fit, plane)));
+  const std::optional<EssentialFit> beside = beside_plane(problem, fit, plane);
+  if (!beside) return plane_estimate(problem, plane, inliers, refined.pose);
+  return general_estimate(problem, refine_essential(problem, *beside));
 }
 
 }  // namespace stillkite

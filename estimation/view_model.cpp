@@ -26,7 +26,7 @@ double mean_of_cut(const BearingColumns& inliers, const Eigen::Matrix3d& H, doub
 }
 
 double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
+  return angle_between_rad(a, b) / kDegree;
 }
 
 // Towards the plane from the reference camera, as most pairs see it.
@@ -94,17 +94,24 @@ Choice by_prior(const TwoViews& views, const RelativePoseHints& hints) {
   return clearly_smaller(c, d, kDirection_deg);
 }
 
-// The first that has a choice, unless both others are against it: a vertical carried on by the flow
-// is off by degrees where much of the picture moves otherwise.
-Choice by_hints(const TwoViews& views, const RelativePoseHints& hints, double vertical_sigma_deg) {
-  const Choice vertical = by_vertical(views, hints, vertical_sigma_deg);
-  const Choice level = by_level(views, hints);
-  const Choice prior = by_prior(views, hints);
-  if (level && level == prior) return level;
-  return vertical ? vertical : level ? level : prior;
+Choice by_hints(const TwoViews& views, const RelativePoseHints& hints,
+                const RelativePoseConfig& config) {
+  const Choice known = view_by_vertical(views, hints, config);
+  return known ? known : by_prior(views, hints);
 }
 
 }  // namespace
+
+// The vertical, unless level ground and the prior are against it: carried on by the flow it is off
+// by degrees where much of the picture moves otherwise.
+std::optional<std::size_t> view_by_vertical(const std::array<PlaneView, 2>& views,
+                                            const RelativePoseHints& hints,
+                                            const RelativePoseConfig& config) {
+  const Choice vertical = by_vertical(views, hints, config.vertical_sigma_deg);
+  const Choice level = by_level(views, hints);
+  if (level && level == by_prior(views, hints)) return level;
+  return vertical ? vertical : level;
+}
 
 ModelEvidence weigh_models(const BearingColumns& inliers, const Eigen::Quaterniond& rotation,
                            const Eigen::Matrix3d& plane, double sigma, double floor) {
@@ -152,7 +159,7 @@ std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
   if (turn_deg < 0.1 && angle_deg(turned[0].translation, turned[1].translation) < 5) {
     return turned[0];
   }
-  const auto k = by_hints(turned, hints, config.vertical_sigma_deg);
+  const auto k = by_hints(turned, hints, config);
   return k ? std::optional(turned[*k]) : std::nullopt;
 }
 

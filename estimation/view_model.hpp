@@ -34,4 +34,10 @@ struct ModelEvidence {
                                                      const RelativePoseHints& hints,
                                                      const RelativePoseConfig& config);
 
+/// Which of the two keeps the vertical, or has its plane level: as above, without what the pairs in
+/// front and the prior alone would say.
+[[nodiscard]] std::optional<std::size_t> view_by_vertical(const std::array<PlaneView, 2>& views,
+                                                          const RelativePoseHints& hints,
+                                                          const RelativePoseConfig& config);
+
 }  // namespace stillkite

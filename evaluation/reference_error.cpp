@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/angle.hpp"
+#include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
 namespace {
@@ -24,15 +25,11 @@ std::optional<double> median_of(std::vector<double> values) {
   return *middle;
 }
 
-double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
-}
-
 void add_direction(const MotionEstimate& motion, const Eigen::Vector3d& true_way_m,
                    ReferenceSamples& samples) {
   const Eigen::Vector3d found = motion.displacement_in_reference.normalized();
   const Eigen::Vector3d truth = true_way_m.normalized();
-  samples.direction_deg.push_back(angle_deg(found, truth));
+  samples.direction_deg.push_back(angle_between_rad(found, truth) / kDegree);
   if (motion.displacement_kind != DisplacementKind::direction) return;
   // a unit vector errs across itself only: along it any variance will do
   const Eigen::Vector3d error = found - truth * found.dot(truth);

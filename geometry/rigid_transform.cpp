@@ -55,6 +55,10 @@ double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& 
   return so3_log(a.conjugate() * b).norm();
 }
 
+double angle_between_rad(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
 RigidTransform interpolate(const RigidTransform& a, const RigidTransform& b, double ratio) {
   return {a.rotation.slerp(ratio, b.rotation),
           (1.0 - ratio) * a.translation + ratio * b.translation};

@@ -40,6 +40,9 @@ struct StampedPose {
 /// Angle of the rotation that takes one to the other, in [0, pi] rad.
 [[nodiscard]] double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 
+/// Angle between two directions, of any length, in [0, pi] rad.
+[[nodiscard]] double angle_between_rad(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
 /// Pose between two poses: linear in translation, slerp in rotation; ratio 0 gives `a`, 1 gives
 /// `b`.
 [[nodiscard]] RigidTransform interpolate(const RigidTransform& a, const RigidTransform& b,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/angle.hpp"
+#include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
 namespace {
@@ -14,9 +15,7 @@ constexpr double kZenith_rad = 90 * kDegree;
 
 double between_rad(TetherState a, TetherState b) {
   a.length_m = b.length_m = 1;
-  const Eigen::Vector3d u = position_in_station(a);
-  const Eigen::Vector3d v = position_in_station(b);
-  return std::atan2(u.cross(v).norm(), u.dot(v));
+  return angle_between_rad(position_in_station(a), position_in_station(b));
 }
 
 // Overhead a reading's azimuth is that of the wind.
