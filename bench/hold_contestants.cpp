@@ -60,10 +60,9 @@ void ContestantRow::judge(const MotionEstimate& motion, int found, const RigidTr
                          motion.displacement_kind == DisplacementKind::metric);
   if (!answered) return;
   ++answers;
-  const Eigen::Vector3d& a = motion.displacement_in_reference;
-  const Eigen::Vector3d& b = truth.translation;
   rotation_deg.push_back(angle_between_rad(motion.reference_from_camera, truth.rotation) / kDegree);
-  direction_deg.push_back(std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree);
+  direction_deg.push_back(angle_between_rad(motion.displacement_in_reference, truth.translation) /
+                          kDegree);
 }
 
 double ContestantRow::median_ms(const std::string& stage) const {

@@ -113,12 +113,12 @@ Outcome compare(const Variant& variant, const Pair& pair) {
   const MotionEstimate& motion = estimate.reference->motion;
   outcome.answered = motion.displacement_kind == DisplacementKind::direction;
   if (!outcome.answered) return outcome;
-  const Eigen::Vector3d a = motion.displacement_in_reference;
-  const Eigen::Vector3d b = pair.reference_from_camera.translation;
   outcome.rotation_deg =
       angle_between_rad(motion.reference_from_camera, pair.reference_from_camera.rotation) /
       kDegree;
-  outcome.direction_deg = std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
+  outcome.direction_deg =
+      angle_between_rad(motion.displacement_in_reference, pair.reference_from_camera.translation) /
+      kDegree;
   return outcome;
 }
 

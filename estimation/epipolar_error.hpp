@@ -29,6 +29,7 @@ class BearingColumns {
   static constexpr std::size_t kPadding = 8;
 
   BearingColumns(std::span<const BearingPair> pairs, std::span<const int> order);
+  /// Some of them, by their places.
   BearingColumns(const BearingColumns& all, std::span<const std::size_t> some);
 
   [[nodiscard]] std::size_t size() const { return size_; }

@@ -171,7 +171,7 @@ int FusionFilter::update_ground(bool is_flat) {
     if (has_outgrown_its_scale()) forget_scale();
     is_first = std::none_of(landmarks_.begin(), landmarks_.end(),
                             [](const Landmark& l) { return l.is_on_ground; });
-    if (is_first) add_height_variance(doubt_of_level(ground));
+    if (is_first) P_(Index::kHeight, Index::kHeight) += doubt_of_level(ground);
   }
   // 2. So high the anchor is, by what is known of the start and the way since.
   int count = 0;

@@ -1,7 +1,9 @@
 #include "estimation/relative_pose_estimator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "estimation/essential_decomposition.hpp"
@@ -13,7 +15,6 @@
 #include "estimation/sampson_refinement.hpp"
 #include "estimation/transfer_error.hpp"
 #include "estimation/view_model.hpp"
-#include "geometry/angle.hpp"
 
 namespace stillkite {
 namespace {
@@ -153,27 +154,15 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3
   return estimate;
 }
 
-// Of many wrong pairs the cost is much the same by either, of few true ones the median pair's
-// error.
-bool explains_far_less(const Problem& problem, const EssentialFit& fit, const EssentialFit& best) {
-  constexpr double kCosts = 3;
-  constexpr double kNoises = 5;
-  const auto noise = [&](const RelativePose& pose) {
-    return scale_below(sampson_distances(problem.columns, essential_matrix(pose)),
-                       problem.threshold, kSigmaOfMedian);
-  };
-  return fit.cost > kCosts * best.cost || noise(fit.pose) > kNoises * noise(best.pose);
-}
-
 // A scene that is nearly flat has a second minimum near the plane's other pose. What a lens is off
 // by may make the false one the better of both: which of them keeps the vertical, or the ground
-// level, says more, unless it explains far less. Nothing where that one slides far along the valley
-// in which rotation and direction turn together: there the plane tells more than what is off it.
-std::optional<EssentialFit> beside_plane(const Problem& problem, const EssentialFit& fit,
-                                         const Eigen::Matrix3d& plane) {
-  constexpr double kFar_rad = 15 * kDegree;
+// level, says more, unless it explains far less.
+EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit,
+                          const Eigen::Matrix3d& plane, const BearingColumns& inliers) {
+  constexpr double kFarWorse = 3;
   const std::array<PlaneView, 2> views = decompose_homography(plane);
-  const std::optional<std::size_t> known = view_by_vertical(views, problem.hints, problem.config);
+  const std::optional<std::size_t> known =
+      view_over_ground(views, inliers, problem.hints, problem.config);
   EssentialFit best = fit;
   std::optional<EssentialFit> of_known;
   for (std::size_t k = 0; k < views.size(); ++k) {
@@ -184,9 +173,7 @@ std::optional<EssentialFit> beside_plane(const Problem& problem, const Essential
     if (other.cost < best.cost) best = other;
     if (known == k) of_known = other;
   }
-  if (!of_known || explains_far_less(problem, *of_known, best)) return best;
-  const double slid_rad = angle_between_rad(of_known->pose.direction, views[*known].translation);
-  return slid_rad < kFar_rad ? of_known : std::nullopt;
+  return of_known && of_known->cost < kFarWorse * best.cost ? *of_known : best;
 }
 
 // On weights of bounded leverage, which a better pose may shift.
@@ -278,9 +265,8 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
   if (outside > 0.5 * static_cast<double>(inliers.size())) {
     return general_estimate(problem, refined);
   }
-  const std::optional<EssentialFit> beside = beside_plane(problem, fit, plane);
-  if (!beside) return plane_estimate(problem, plane, inliers, refined.pose);
-  return general_estimate(problem, refine_essential(problem, *beside));
+  return general_estimate(problem,
+                          refine_essential(problem, beside_plane(problem, fit, plane, inliers)));
 }
 
 }  // namespace stillkite

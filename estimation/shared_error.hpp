@@ -27,17 +27,19 @@ template <int kParameters>
     const auto& sums_of) {
   using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
   const Eigen::LLT<Matrix> factor(normal);
+  constexpr double kLeastLeft = 0.25 * kParameters;  // by rounding alone, where all lies in a cell
   double squared = 0;
-  double independent = 0;
+  double left = 0;
   for (const BearingColumns& cell : columns_by_cell(columns)) {
     const auto sums = sums_of(cell);
     const Eigen::Matrix<double, kParameters, 1> score = J.transpose() * sums.gradient;
     const Matrix half = factor.matrixL().solve(Matrix(J.transpose() * sums.normal * J));
     const Matrix share = factor.matrixL().solve(half.transpose());
     squared += factor.matrixL().solve(score).squaredNorm();
-    independent += variance * (share.trace() - share.squaredNorm());
+    left += share.trace() - share.squaredNorm();
   }
-  return squared > independent && independent > 0 ? squared / independent : 1;
+  const double independent = variance * left;
+  return left > kLeastLeft && squared > independent ? squared / independent : 1;
 }
 
 }  // namespace stillkite

@@ -5,6 +5,7 @@
 
 #include "estimation/transfer_error.hpp"
 #include "geometry/angle.hpp"
+#include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
 namespace {
@@ -94,24 +95,17 @@ Choice by_prior(const TwoViews& views, const RelativePoseHints& hints) {
   return clearly_smaller(c, d, kDirection_deg);
 }
 
-Choice by_hints(const TwoViews& views, const RelativePoseHints& hints,
-                const RelativePoseConfig& config) {
-  const Choice known = view_by_vertical(views, hints, config);
-  return known ? known : by_prior(views, hints);
-}
-
-}  // namespace
-
 // The vertical, unless level ground and the prior are against it: carried on by the flow it is off
 // by degrees where much of the picture moves otherwise.
-std::optional<std::size_t> view_by_vertical(const std::array<PlaneView, 2>& views,
-                                            const RelativePoseHints& hints,
-                                            const RelativePoseConfig& config) {
+Choice by_ground(const TwoViews& views, const RelativePoseHints& hints,
+                 const RelativePoseConfig& config) {
   const Choice vertical = by_vertical(views, hints, config.vertical_sigma_deg);
   const Choice level = by_level(views, hints);
   if (level && level == by_prior(views, hints)) return level;
   return vertical ? vertical : level;
 }
+
+}  // namespace
 
 ModelEvidence weigh_models(const BearingColumns& inliers, const Eigen::Quaterniond& rotation,
                            const Eigen::Matrix3d& plane, double sigma, double floor) {
@@ -147,8 +141,8 @@ std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
                                        const RelativePoseConfig& config) {
   constexpr double kMostAhead = 0.9;
   std::array<double, 2> part{};
-  const std::array<PlaneView, 2> turned{with_pairs_ahead(views[0], inliers, part[0]),
-                                        with_pairs_ahead(views[1], inliers, part[1])};
+  const TwoViews turned{with_pairs_ahead(views[0], inliers, part[0]),
+                        with_pairs_ahead(views[1], inliers, part[1])};
   const bool first = part[0] > kMostAhead, second = part[1] > kMostAhead;
   if (first != second) return turned[first ? 0 : 1];
   if (!first) return std::nullopt;
@@ -159,8 +153,19 @@ std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
   if (turn_deg < 0.1 && angle_deg(turned[0].translation, turned[1].translation) < 5) {
     return turned[0];
   }
-  const auto k = by_hints(turned, hints, config);
+  Choice k = by_ground(turned, hints, config);
+  if (!k) k = by_prior(turned, hints);
   return k ? std::optional(turned[*k]) : std::nullopt;
+}
+
+std::optional<std::size_t> view_over_ground(const std::array<PlaneView, 2>& views,
+                                            const BearingColumns& inliers,
+                                            const RelativePoseHints& hints,
+                                            const RelativePoseConfig& config) {
+  double part = 0;
+  return by_ground(
+      {with_pairs_ahead(views[0], inliers, part), with_pairs_ahead(views[1], inliers, part)}, hints,
+      config);
 }
 
 }  // namespace stillkite

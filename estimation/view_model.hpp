@@ -36,7 +36,8 @@ struct ModelEvidence {
 
 /// Which of the two keeps the vertical, or has its plane level: as above, without what the pairs in
 /// front and the prior alone would say.
-[[nodiscard]] std::optional<std::size_t> view_by_vertical(const std::array<PlaneView, 2>& views,
+[[nodiscard]] std::optional<std::size_t> view_over_ground(const std::array<PlaneView, 2>& views,
+                                                          const BearingColumns& inliers,
                                                           const RelativePoseHints& hints,
                                                           const RelativePoseConfig& config);
 

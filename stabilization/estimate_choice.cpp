@@ -72,15 +72,27 @@ EstimateDecision EstimateChoice::step(const EstimatePair& estimates) {
   const RigidTransform flow = decision_.home_from_flow * pose_of(estimates.flow);
   if (is_flow_ok) {
     decision_.start_from_camera.translation = flow.translation;
-    furthest_way_ = std::max(furthest_way_, flow.translation.norm());
+    doubt(estimates, flow);
   }
-  decision_.unproven_way = is_ground_flat_.value_or(false) ? 0 : furthest_way_;
   if (is_flow_chosen && is_finite_pose(estimates.flow)) decision_.start_from_camera = flow;
   if (!is_flow_chosen && is_reference_ok) {
     decision_.start_from_camera.rotation = rotation_by_reference(estimates);
   }
   was_flow_ok_ = is_flow_ok;
   return decision_;
+}
+
+// Over unknown ground a way may be taken for a turn, and a turn for a way: what the reference says
+// of the turn tells how far.
+void EstimateChoice::doubt(const EstimatePair& estimates, const RigidTransform& flow) {
+  const bool is_proven = is_ground_flat_.value_or(false);
+  if (is_proven) proven_place_ = flow.translation;
+  const double way = (flow.translation - proven_place_).norm();
+  const double turn_rad = is_usable(estimates.reference)
+                              ? angle_between_rad(flow.rotation, rotation_by_reference(estimates))
+                              : 0;
+  const double unproven = std::max(way, estimates.start_height * turn_rad);
+  decision_.unproven_way = is_proven ? 0 : std::max(decision_.unproven_way, unproven);
 }
 
 // What too little parallax leaves open is as it was.

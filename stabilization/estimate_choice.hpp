@@ -50,8 +50,9 @@ struct EstimateDecision {
   RigidTransform home_from_flow;     ///< what is put before the flow's pose from the start
   /// What that adds to the flow's covariance: (translation, rotation vector), start's axes.
   Matrix6d correction_covariance = Matrix6d::Zero();
-  /// So far the flow has come since the start, in its unit, while nothing has shown that the ground
-  /// is flat: by as much it may be wrong. 0 once that has shown.
+  /// By so much the flow's way may be wrong, in its unit, and its turn by as much over the height,
+  /// while nothing has shown that the ground is flat: as far as it has come since that last showed,
+  /// and the height times what the reference contradicts of its turn. 0 where it has shown.
   double unproven_way = 0;
 };
 
@@ -66,6 +67,7 @@ class EstimateChoice {
 
  private:
   void judge_ground(const EstimatePair& estimates);
+  void doubt(const EstimatePair& estimates, const RigidTransform& flow);
   [[nodiscard]] bool may_be_flat() const { return is_ground_flat_.value_or(true); }
   void choose(const EstimatePair& estimates);
   [[nodiscard]] bool agree(const EstimatePair& estimates) const;
@@ -79,7 +81,7 @@ class EstimateChoice {
   std::optional<bool> is_ground_flat_;  // once the features have shown it
   bool is_flow_seen_ = false;           // they are where the flow's motion takes them
   bool was_flow_ok_ = true;
-  double furthest_way_ = 0;
+  Eigen::Vector3d proven_place_ = Eigen::Vector3d::Zero();  // where the ground was last flat
 };
 
 }  // namespace stillkite

@@ -126,9 +126,7 @@ struct TwoViews {
 }
 [[nodiscard]] inline double direction_error_deg(const RelativePose& found,
                                                 const RelativePose& truth) {
-  return std::atan2(found.direction.cross(truth.direction).norm(),
-                    found.direction.dot(truth.direction)) /
-         kDegree;
+  return angle_between_rad(found.direction, truth.direction) / kDegree;
 }
 
 }  // namespace stillkite

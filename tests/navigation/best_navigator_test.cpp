@@ -128,6 +128,32 @@ TEST(BestNavigator, GoesWithTheReferenceInARoom) {
   }
 }
 
+// Until depth shows, the flow's way in a room is wrong by up to as much as it is.
+TEST(BestNavigator, DoubtsItsFirstMetresInARoom) {
+  constexpr double kHeight_m = 3;
+  SwayInRoom flight;
+  const auto sigma = [](const Matrix6d& covariance, int first) {
+    return std::sqrt(covariance.diagonal().segment<3>(first).minCoeff());
+  };
+  int by_flow = 0;
+  for (int i = 0; i < 25; ++i) {
+    const NavigationEstimate estimate = flight.step();
+    if (i == 0 || estimate.source != EstimateSource::flow) continue;
+    ++by_flow;
+    const RigidTransform truth = SwayInRoom::pose(i);
+    const double way_m =
+        (estimate.world_from_body.translation - SwayInRoom::pose(0).translation).norm();
+    const double speed_m_s = estimate.twist_in_camera.velocity_m_s.norm();
+    EXPECT_GE(sigma(estimate.pose_covariance, 0), way_m) << i;
+    EXPECT_GE(sigma(estimate.pose_covariance, 3), way_m / kHeight_m) << i;
+    EXPECT_GE(sigma(estimate.twist_covariance, 0), speed_m_s) << i;
+    EXPECT_GE(sigma(estimate.twist_covariance, 3), speed_m_s / kHeight_m) << i;
+    const double turned_rad = angle_between_rad(estimate.world_from_body.rotation, truth.rotation);
+    EXPECT_LT(turned_rad, 3 * sigma(estimate.pose_covariance, 3)) << i;
+  }
+  EXPECT_GT(by_flow, 3);
+}
+
 TEST(BestNavigator, ACoverInARoomLeavesNoJump) {
   SwayInRoom flight;
   for (int i = 0; i < 30; ++i) (void)flight.step();

@@ -50,8 +50,7 @@ inline constexpr Tolerance kTolerance;
 
 [[nodiscard]] inline double direction_error_rad(const MotionEstimate& answer,
                                                 const RigidTransform& truth) {
-  return std::atan2(answer.displacement_in_reference.cross(truth.translation).norm(),
-                    answer.displacement_in_reference.dot(truth.translation));
+  return angle_between_rad(answer.displacement_in_reference, truth.translation);
 }
 
 // e^T P^-1 e; of a part of the axes where `along` has fewer columns than three.

@@ -52,9 +52,9 @@ cv::Mat with_crowd(const cv::Mat& picture, int index) {
 class EstimateHonesty : public testing::TestWithParam<Policy> {};
 
 // As near as where nothing is in the way, or as the covariance allows. It tells of noise, not of
-// how those that move otherwise pull at the answer: measured are 12.5 sigma.
+// how those that move otherwise pull at the answer: measured are 12.5 sigma by the reference, 10.0
+// by the flow.
 TEST_P(EstimateHonesty, FortyPercentThatMoveOtherwiseAreNotBelieved) {
-  constexpr double kMost = 13 * 13;
   int ok = 0;
   int wrong = 0;
   for (const KnownMotion& motion : kMotions) {
@@ -66,13 +66,14 @@ TEST_P(EstimateHonesty, FortyPercentThatMoveOtherwiseAreNotBelieved) {
           estimator.step(KnownFlight::framed(with_crowd(flight.frame(i).grey, i), i));
       if (answer.status != EstimateStatus::ok) continue;
       ++ok;
+      const double most = answer.source == EstimateSource::reference ? 13 * 13 : 11 * 11;
       const RigidTransform truth = flight.reference_from_camera(i);
       const Eigen::Vector3d turn = test::rotation_error(answer, truth);
       const bool has_turned_well = turn.norm() < kTolerance.rotation_rad ||
-                                   test::squared_sigmas(turn, answer.rotation_covariance) < kMost;
+                                   test::squared_sigmas(turn, answer.rotation_covariance) < most;
       const double way_ratio = has_way(answer) ? test::displacement_error_ratio(answer, truth) : 0;
       const bool has_gone_well = way_ratio < kTolerance.length_ratio ||
-                                 test::displacement_sigmas_squared(answer, truth) < kMost;
+                                 test::displacement_sigmas_squared(answer, truth) < most;
       const bool is_far_off = i >= kLast / 2 && (way_ratio >= 0.2 || turn.norm() >= 5 * kDegree);
       if (!has_turned_well || !has_gone_well || is_far_off) ++wrong;
     }

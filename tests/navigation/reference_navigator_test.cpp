@@ -67,10 +67,8 @@ struct ReferenceErrors {
 ReferenceErrors errors_of(const NavigationEstimate& estimate, const RigidTransform& truth) {
   const RigidTransform way = (at(kHome, 0) * kMount).inverse() * (truth * kMount);
   const MotionEstimate& motion = estimate.reference->motion;
-  const Eigen::Vector3d a = motion.displacement_in_reference;
-  const Eigen::Vector3d b = way.translation;
   return {angle_between_rad(motion.reference_from_camera, way.rotation) / kDegree,
-          std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree};
+          angle_between_rad(motion.displacement_in_reference, way.translation) / kDegree};
 }
 
 TEST(ReferenceNavigator, TellsRotationAndDirectionFromAFixedReference) {
