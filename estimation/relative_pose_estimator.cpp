@@ -132,7 +132,7 @@ RelativePoseEstimate rotation_estimate(const Problem& problem, ViewModel model,
 }
 
 RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3d& rough,
-                                    const BearingColumns& inliers, const RelativePose& epipolar) {
+                                    const RelativePose& epipolar) {
   const auto distances = [&](const Eigen::Matrix3d& H) {
     return transfer_distances(problem.columns, H);
   };
@@ -142,8 +142,10 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3
         return refine_homography(problem.columns, H, cutoff, 4);
       },
       distances);
+  // of what stands behind the plane, as over the horizon, nothing need be in front of it
+  const BearingColumns on_plane = inlier_columns(problem, distances(fit.pose));
   const std::optional<PlaneView> view =
-      resolve_plane(decompose_homography(fit.pose), inliers, problem.hints, problem.config);
+      resolve_plane(decompose_homography(fit.pose), on_plane, problem.hints, problem.config);
   RelativePoseEstimate estimate =
       with_inliers(problem, view ? ViewModel::plane : ViewModel::undecided, distances(fit.pose),
                    kSigmaOfMedianLength);
@@ -254,7 +256,7 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
     case ViewModel::rotation_only:
       return rotation_estimate(problem, model, rotation, refined.pose);
     case ViewModel::plane:
-      return plane_estimate(problem, plane, inliers, refined.pose);
+      return plane_estimate(problem, plane, refined.pose);
     default:
       break;
   }

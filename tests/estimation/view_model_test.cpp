@@ -148,6 +148,52 @@ TEST(PlaneView, level_ground_behind_a_lens_that_is_not_as_told_has_its_true_pose
   EXPECT_LT(undecided, 5);
 }
 
+// 400 pairs of a camera at the height 1 that looks so far below the horizon: ground, and above it
+// what stands 10 to 30 away.
+TwoViews make_ground_and_horizon(double pitch_rad, double way, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] {
+    const double x = normal(random), y = normal(random);
+    return Eigen::Vector3d(x, y, normal(random));
+  };
+  const auto noise = [&] {
+    const double x = normal(random);
+    return Eigen::Vector2d(0.15 / kFocal_px * Eigen::Vector2d(x, normal(random)));
+  };
+  TwoViews views;
+  views.normal = {0, std::cos(pitch_rad), std::sin(pitch_rad)};
+  views.truth = {so3_exp(0.03 * draw()), draw().normalized()};
+  while (views.pairs.size() < 400) {
+    const double x = unit(random);
+    const Eigen::Vector2d a((x - 0.5) * 800 / kFocal_px, (unit(random) - 0.5) * 480 / kFocal_px);
+    const double below = views.normal.dot(a.homogeneous());
+    const double depth = below > 0.05 ? 1 / below : 10 + 20 * unit(random);
+    const Eigen::Vector3d now = depth * (views.truth.current_from_reference * a.homogeneous()) +
+                                way * views.truth.direction;
+    if (now.z() > 0.1) views.pairs.push_back({a + noise(), now.hnormalized() + noise()});
+  }
+  return views;
+}
+
+TEST(PlaneView, what_stands_behind_level_ground_does_not_make_its_other_pose_the_true_one) {
+  for (const double pitch_deg : {10, 15, 20}) {
+    for (const double way : {0.05, 0.15}) {
+      int undecided = 0;
+      for (std::uint32_t seed = 1; seed <= 50; ++seed) {
+        const TwoViews views = make_ground_and_horizon(pitch_deg * kDegree, way, seed);
+        const RelativePoseEstimate found =
+            estimate_relative_pose(views.pairs, kFocal_px, {}, vertical_of(views));
+        undecided += found.model == ViewModel::undecided ? 1 : 0;
+        if (found.model == ViewModel::undecided) continue;
+        EXPECT_LT(direction_error_deg(found.pose, views.truth), 15) << pitch_deg << ' ' << seed;
+      }
+      EXPECT_LT(undecided, 3) << pitch_deg << ' ' << way;
+    }
+  }
+}
+
 TEST(PlaneView, a_vertical_tells_the_poses_of_a_wall_apart) {
   int decided = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
