@@ -136,13 +136,13 @@ ViewModel simplest_model(const ModelEvidence& e) {
 }
 
 std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
-                                       const BearingColumns& inliers,
+                                       const BearingColumns& on_plane,
                                        const RelativePoseHints& hints,
                                        const RelativePoseConfig& config) {
   constexpr double kMostAhead = 0.9;
   std::array<double, 2> part{};
-  const TwoViews turned{with_pairs_ahead(views[0], inliers, part[0]),
-                        with_pairs_ahead(views[1], inliers, part[1])};
+  const TwoViews turned{with_pairs_ahead(views[0], on_plane, part[0]),
+                        with_pairs_ahead(views[1], on_plane, part[1])};
   const bool first = part[0] > kMostAhead, second = part[1] > kMostAhead;
   if (first != second) return turned[first ? 0 : 1];
   if (!first) return std::nullopt;
