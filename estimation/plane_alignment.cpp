@@ -138,6 +138,8 @@ double PlaneAligner::update_px(const Level& level, const PlaneMotionStep& step) 
 }
 
 void PlaneAligner::match_brightness(PlaneAlignment& out, bool adapt) const {
+  // of a bare picture sums as large as the keyframe's contrast leave nothing but their rounding
+  constexpr double kRounding = 1e-4;
   double contrast = 0, product = 0, residual = 0;
   const std::vector<float>& w = solver_.weights();
   for (std::size_t i = 0; i < w.size(); ++i) {
@@ -146,7 +148,10 @@ void PlaneAligner::match_brightness(PlaneAlignment& out, bool adapt) const {
     residual += static_cast<double>(w[i]) * measurements_->residual[i];
   }
   const double variance = out.gain * out.gain * contrast - 2 * out.gain * product + residual;
-  if (!(contrast > 0 && variance > 0)) return;
+  if (!(contrast > 0 && variance > kRounding * contrast)) {
+    out.correlation = 0;
+    return;
+  }
   out.correlation = (out.gain * contrast - product) / std::sqrt(contrast * variance);
   // the ratio of contrasts is the gain, however well the images are aligned so far
   if (adapt) out.gain = std::clamp(std::sqrt(variance / contrast), 0.3, 3.0);

@@ -66,8 +66,10 @@ Eigen::Vector2f tile_step(const TileMeasurements& m, std::size_t i) {
 /// Of the window in the reference with the window now, before the last step.
 float correlation_of(const TileMeasurements& m, std::size_t i) {
   const float current = m.contrast[i] - 2 * m.gain_product[i] + m.residual[i];
-  const float product = m.contrast[i] * current;
-  return product > 0 ? (m.contrast[i] - m.gain_product[i]) / std::sqrt(product) : -1;
+  // of a bare window as large sums leave nothing but their rounding
+  constexpr float kRounding = 1e-4F;
+  if (!(current > kRounding * m.contrast[i])) return -1;
+  return (m.contrast[i] - m.gain_product[i]) / std::sqrt(m.contrast[i] * current);
 }
 
 /// Of a pixel, grey^2: what a step, or else a gain, does not explain; at least that of two

@@ -4,7 +4,10 @@
 #include <hwy/highway.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "estimation/keyframe_pose.hpp"
 #include "geometry/euler.hpp"
@@ -238,6 +241,20 @@ TEST(PlaneAlignment, a_bare_picture_is_not_solvable_and_keeps_the_guess) {
   EXPECT_FALSE(found.solvable);
   EXPECT_EQ(found.motion.translation, guess.translation);
   EXPECT_TRUE(found.covariance.allFinite());
+}
+
+// What is left of sums as large as the keyframe's contrast is rounding, which may well be positive.
+TEST(PlaneAlignment, a_bare_picture_correlates_with_nothing) {
+  const Camera camera = lens(DistortionModel::none);
+  cv::Mat keyframe(camera.height_px, camera.width_px, CV_8U);
+  for (int seed = 0; seed < 40; ++seed) {
+    cv::RNG(static_cast<std::uint64_t>(seed) + 1).fill(keyframe, cv::RNG::NORMAL, 110, 90);
+    cv::GaussianBlur(keyframe, keyframe, {}, 1.5);
+    for (const int grey : {0, 77, 255}) {
+      const cv::Mat bare(keyframe.size(), CV_8U, cv::Scalar(grey));
+      EXPECT_LT(align(camera, keyframe, bare, {}).correlation, 0.5) << seed << ' ' << grey;
+    }
+  }
 }
 
 TEST(PlaneTiles, jacobian_is_the_derivative_of_the_placement) {

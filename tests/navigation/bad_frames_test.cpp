@@ -181,6 +181,26 @@ TEST_P(BadTimes, PictureOfAnotherSizeIsAnInputError) {
 INSTANTIATE_TEST_SUITE_P(Navigator, BadTimes, testing::Values(Mode::paper, Mode::recommended),
                          [](const auto& mode) { return std::string(name_of(mode.param)); });
 
+// Whatever the motion before: the sums over a bare picture leave nothing but their rounding.
+TEST(BadFrame, ABarePictureIsNoAnswerWheneverItComes) {
+  const auto& flight = rendered_flight();
+  for (const Policy policy : {Policy::flow, Policy::reference}) {
+    for (const double grey : {0.0, 77.0, 255.0}) {
+      for (std::size_t first = 1; first <= 3; ++first) {
+        Navigator navigator(flight.record.camera, flight.record.body_from_camera, {},
+                            flight.start(), {.policy = policy});
+        for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+          Frame frame = flight.frames[i];
+          const bool is_bare = i >= first && (i - first) % 3 == 0;
+          if (is_bare) frame.grey = cv::Mat(frame.grey.size(), CV_8UC1, cv::Scalar(grey));
+          const Verdict verdict = navigator.step(frame).verdict;
+          if (is_bare) EXPECT_NE(verdict, Verdict::ok) << i << ' ' << grey;
+        }
+      }
+    }
+  }
+}
+
 TEST(BadFrame, BareFirstPictureIsReplacedByTheNext) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator();
