@@ -90,10 +90,7 @@ void FusionFilter::number_landmarks(std::span<const FeatureView> reference, doub
     double distance = most_beside;
     for (const FeatureView& view : reference) {
       const double beside = (view.bearing - landmark.bearing).norm();
-      const bool is_taken =
-          std::any_of(landmarks_.begin(), landmarks_.end(),
-                      [&](const Landmark& l) { return l.feature == view.feature; });
-      if (beside > distance || is_taken) continue;
+      if (beside > distance || landmark_of(view.feature)) continue;
       distance = beside;
       nearest = &view;
     }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "geometry/angle.hpp"
 #include "geometry/fields.hpp"
 
 namespace stillkite {
@@ -39,8 +38,6 @@ struct FusionConfig {
   double accel_density = 0.01;
   double accel_bias_sigma_m_s2 = 0.05;
   double accel_bias_walk = 3e-3;
-  double tilt_sigma_rad = 1 * kDegree;
-  double attitude_sigma_rad = 1 * kDegree;
 
   static void fields(auto& self, auto&& field) {
     field("pixel_sigma_px", self.pixel_sigma_px, kPositive,
@@ -117,10 +114,6 @@ struct FusionConfig {
     field("accel_bias_sigma_m_s2", self.accel_bias_sigma_m_s2, kPositive,
           "of the bias at the start");
     field("accel_bias_walk", self.accel_bias_walk, kNotNegative, "m/s^3/sqrt(Hz)");
-    field("tilt_sigma_rad", self.tilt_sigma_rad, kPositive,
-          "of roll and pitch of the first frame against gravity");
-    field("attitude_sigma_rad", self.attitude_sigma_rad, kPositive,
-          "of roll and pitch of an attitude that is read");
   }
 };
 

@@ -29,7 +29,7 @@ FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
   set(Index::kVelocity, 3, start.velocity_sigma);
   set(Index::kGyroBias, 3, config.gyro_bias_sigma_rad_s);
   set(Index::kAccelBias, 3, config.accel_bias_sigma_m_s2);
-  set(Index::kTilt, 2, config.tilt_sigma_rad);
+  set(Index::kTilt, 2, start.tilt_sigma_rad);
   set(Index::kScale, 1, config.scale_sigma_ratio);
   add_height_variance(square(config.height_sigma_ratio) + square(start.log_unit_sigma));
   prediction_ = {state_, own_covariance(), OwnMatrix::Identity()};
@@ -95,15 +95,14 @@ void FusionFilter::inject(const Eigen::VectorXd& error) {
   }
 }
 
-bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera) {
-  start_.remember([=](FusionFilter& filter) { filter.update_up(up_in_camera); });
+bool FusionFilter::update_up(const Eigen::Vector3d& up_in_camera, double sigma_rad) {
+  start_.remember([=](FusionFilter& filter) { filter.update_up(up_in_camera, sigma_rad); });
   // R up is exp(tilt) z: its level parts are (tilt_y, -tilt_x)
   const Eigen::Vector3d up = state_.world_from_camera.rotation * up_in_camera.normalized();
-  Innovation<2> innovation{
-      .residual = Eigen::Vector2d(up.x() - state_.gravity_tilt_rad.y(),
-                                  up.y() + state_.gravity_tilt_rad.x()),
-      .H = {},
-      .noise = square(config_.attitude_sigma_rad) * Eigen::Matrix2d::Identity()};
+  Innovation<2> innovation{.residual = Eigen::Vector2d(up.x() - state_.gravity_tilt_rad.y(),
+                                                       up.y() + state_.gravity_tilt_rad.x()),
+                           .H = {},
+                           .noise = square(sigma_rad) * Eigen::Matrix2d::Identity()};
   Eigen::Matrix2d by_tilt;
   by_tilt << 0, 1, -1, 0;
   innovation.H.add(Index::kTilt, by_tilt);
@@ -218,11 +217,6 @@ Eigen::Matrix3d FusionFilter::velocity_covariance() const {
 
 double FusionFilter::scale_sigma() const {
   return std::sqrt(std::max(0.0, P_(Index::kScale, Index::kScale)));
-}
-
-double FusionFilter::inverse_depth_sigma(std::size_t i) const {
-  const int depth = Index::landmark(i) + 2;
-  return std::sqrt(P_(depth, depth));
 }
 
 }  // namespace stillkite

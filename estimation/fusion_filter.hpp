@@ -35,6 +35,10 @@ struct FusionPrediction {
 
 /// Error-state Kalman filter on SO(3) of the camera's pose from the first frame, its velocity, the
 /// map's scale, the sensors' biases and landmarks of the reference frame; see docs/fusion.md.
+/// Its files: fusion_prediction.cpp (inertia), fusion_keyframe.cpp (the flow's views),
+/// fusion_landmarks.cpp and fusion_windows.cpp (a frame's features), fusion_ground.cpp (heights and
+/// the scale they tell), fusion_unit.cpp (the map's unit), fusion_anchor.cpp (new and old
+/// references), fusion_start.cpp (the start gone through again).
 class FusionFilter {
   static constexpr int kOwn = FusionPrediction::kOwn;
 
@@ -55,7 +59,7 @@ class FusionFilter {
   /// vector, the anchor's axes. False: refused.
   bool update_turn(const Eigen::Quaterniond& anchor_from_camera, const Eigen::Matrix3d& covariance);
   /// The vertical as another sensor has it, any length, in the camera.
-  bool update_up(const Eigen::Vector3d& up_in_camera);
+  bool update_up(const Eigen::Vector3d& up_in_camera, double sigma_rad);
   /// The camera's height over the ground as another sensor has it, > 0. Where no height was given
   /// at the start the first one lifts the start to where it was. False: refused.
   bool update_height(double height_m, double sigma_m);
@@ -82,8 +86,8 @@ class FusionFilter {
   void give_up(int feature);
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
   /// gives how many were not. A landmark that is refused too often in a row goes, and the unit is
-  /// settled. From the 20th and the 40th frame under the first reference on, and from the 80th and
-  /// 160th where these did not suffice, some take several times as long: all that was told is gone
+  /// settled. From the 16th and the 32nd frame under the first reference on, and from the 64th and
+  /// 128th where these did not suffice, some take several times as long: all that was told is gone
   /// through again (`FusionConfig::relinearize_start`).
   int update_landmarks(std::span<const FeatureView> seen);
   /// The same, but linearised about these landmarks and these poses. Views that are off from there
@@ -101,7 +105,7 @@ class FusionFilter {
   /// The map unit becomes the one in which the depths as a whole have no error: what they are all
   /// wrong by is the scale's error from now on, which no view touches. Metres are as before.
   void settle_unit();
-  /// Those that no frame has shown for half a second; the spare ones alone where the others are to
+  /// Those that 15 frames in a row have not shown; the spare ones alone where the others are to
   /// be met again.
   void drop_unseen(bool keep_first);
 
@@ -113,12 +117,13 @@ class FusionFilter {
   /// Metres.
   [[nodiscard]] RigidTransform world_from_camera_m() const;
   [[nodiscard]] Eigen::Vector3d velocity_in_world_m_s() const;
-  /// The way since `begin_step`, world axes; its covariance as the camera sees it, with the error
-  /// of its attitude.
+  /// The way since `begin_step`, metres, world axes; its covariance as the camera sees it, with the
+  /// error of its attitude.
   [[nodiscard]] Eigen::Vector3d step_m() const;
   [[nodiscard]] Eigen::Matrix3d step_covariance() const;
   /// Of (translation in m, rotation vector), world axes, from the first frame.
   [[nodiscard]] Matrix6d pose_covariance() const;
+  /// (m/s)^2, world axes.
   [[nodiscard]] Eigen::Matrix3d velocity_covariance() const;
   /// Metres; the covariance of (translation, rotation vector) in the anchor's axes.
   [[nodiscard]] RigidTransform anchor_from_camera_m() const;
@@ -129,8 +134,6 @@ class FusionFilter {
   }
   /// Of the logarithm of the scale: a share of every length.
   [[nodiscard]] double scale_sigma() const;
-  /// Of the i-th landmark, 1 / map units.
-  [[nodiscard]] double inverse_depth_sigma(std::size_t i) const;
   /// Of the errors before the anchor's (FusionIndex).
   [[nodiscard]] OwnMatrix own_covariance() const { return P_.topLeftCorner<kOwn, kOwn>(); }
   /// Of the last step, before anything corrected it.
@@ -165,7 +168,7 @@ class FusionFilter {
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] bool is_within_gate(const LandmarkView& view) const;
   [[nodiscard]] std::size_t count_refused(const std::vector<LandmarkView>& views) const;
-  void refuse_strays(std::vector<LandmarkView>& views);
+  void refuse_outliers(std::vector<LandmarkView>& views);
   void doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views);
   void doubt_gyro(double variance);
   bool correct_jointly(std::vector<LandmarkView>& views);

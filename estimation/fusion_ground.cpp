@@ -162,6 +162,7 @@ int FusionFilter::update_ground(bool is_flat) {
   //    lowest level.
   std::vector<LowLandmark> ground = landmarks_below(state_, landmarks_, P_);
   bool is_first = false;
+  double doubt = 0;
   if (!is_flat) {
     const std::optional<double> level = ground_level(ground);
     if (!level) return 0;
@@ -171,9 +172,10 @@ int FusionFilter::update_ground(bool is_flat) {
     if (has_outgrown_its_scale()) forget_scale();
     is_first = std::none_of(landmarks_.begin(), landmarks_.end(),
                             [](const Landmark& l) { return l.is_on_ground; });
-    if (is_first) P_(Index::kHeight, Index::kHeight) += doubt_of_level(ground);
+    if (is_first) doubt = doubt_of_level(ground);
   }
   // 2. So high the anchor is, by what is known of the start and the way since.
+  P_(Index::kHeight, Index::kHeight) += doubt;
   int count = 0;
   for (const LowLandmark& low : ground) {
     Landmark& landmark = landmarks_[low.landmark];
@@ -182,6 +184,7 @@ int FusionFilter::update_ground(bool is_flat) {
     landmark.is_on_ground = innovation && correct(*innovation);
     if (landmark.is_on_ground) ++count;
   }
+  if (count == 0) P_(Index::kHeight, Index::kHeight) -= doubt;
   if (is_first && count > 0) told_scale_sigma_ = scale_sigma();
   return count;
 }

@@ -77,7 +77,7 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   }
   for (const LandmarkView& view : views) landmarks_[view.landmark].unseen = 0;
   doubt_gyro_where_it_is_contradicted(views);
-  refuse_strays(views);
+  refuse_outliers(views);
   const bool is_corrected = !views.empty() && correct_jointly(views);
   if (is_corrected) {
     blame_strays(views);
@@ -156,7 +156,7 @@ void FusionFilter::doubt_gyro(double variance) {
   P_.block<3, 3>(b, r) += variance * turn_by_bias.transpose();
 }
 
-void FusionFilter::refuse_strays(std::vector<LandmarkView>& views) {
+void FusionFilter::refuse_outliers(std::vector<LandmarkView>& views) {
   std::erase_if(views, [&](const LandmarkView& view) {
     const bool is_near = is_within_gate(view);
     if (!is_near) ++landmarks_[view.landmark].refused;
@@ -169,10 +169,10 @@ bool FusionFilter::correct_jointly(std::vector<LandmarkView>& views) {
   const std::size_t fewest = views.size() / 2;
   std::optional<JointCorrection> correction = joint_correction(state_, landmarks_, P_, views);
   while (correction) {
-    const std::optional<std::size_t> stray = stray_among(*correction, config_.gate_sigma);
-    if (!stray) break;
-    ++landmarks_[views[*stray].landmark].refused;
-    views.erase(views.begin() + static_cast<std::ptrdiff_t>(*stray));
+    const std::optional<std::size_t> outlier = outlier_among(*correction, config_.gate_sigma);
+    if (!outlier) break;
+    ++landmarks_[views[*outlier].landmark].refused;
+    views.erase(views.begin() + static_cast<std::ptrdiff_t>(*outlier));
     if (views.size() <= fewest) return false;
     correction = joint_correction(state_, landmarks_, P_, views);
   }

@@ -36,12 +36,14 @@ void FusionFilter::update_landmarks_about(const StartLandmarks& about,
   age_windows(seen);
   std::vector<LandmarkView> views = landmark_views(seen);
   std::erase_if(views, [&](const LandmarkView& view) {
-    const auto left =
-        landmark_innovation(state_, landmarks_[view.landmark], 0, view.bearing, view.covariance);
-    if (!left) return true;
+    const Landmark& landmark = landmarks_[view.landmark];
+    const auto expected = project_landmark(state_.world_from_camera, state_.world_from_anchor,
+                                           landmark.bearing, landmark.inverse_depth);
+    if (!expected) return true;
     const int column = Index::landmark(view.landmark);
-    const Eigen::Matrix2d S = left->noise + P_.block<2, 2>(column, column);
-    return left->residual.dot(S.llt().solve(left->residual)) > 2 * square(config_.gate_sigma);
+    const Eigen::Matrix2d S = view.covariance + P_.block<2, 2>(column, column);
+    const Eigen::Vector2d off = view.bearing - expected->bearing;
+    return off.dot(S.llt().solve(off)) > 2 * square(config_.gate_sigma);
   });
   const auto correction = joint_correction(state_, landmarks_, P_, views, offset);
   Eigen::VectorXd error = -offset;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "estimation/running_ratio.hpp"
+#include "geometry/angle.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
@@ -30,8 +31,9 @@ struct FusionState {
 
 /// What is known of the first frame.
 struct FusionStart {
-  RigidTransform world_from_camera;  ///< z is the height over the ground
-  double velocity_sigma = 0;         ///< units/s
+  RigidTransform world_from_camera;     ///< z is the height over the ground
+  double velocity_sigma = 0;            ///< units/s
+  double tilt_sigma_rad = 1 * kDegree;  ///< of its roll and pitch against gravity
   /// Of the logarithm of that pose's unit in metres. 0: it is metres.
   double log_unit_sigma = 0;
 };
@@ -51,7 +53,7 @@ struct Landmark {
   bool is_guess = false;      ///< its depth, by no view yet
   bool is_of_start = false;   ///< its depth, by the pictures of the start as a whole
   bool is_on_ground = false;  ///< taken for it, once
-  int refused = 0;            ///< times in a row that the gate refused it
+  int refused = 0;            ///< views in a row that the gate refused, or that no point has
   int unseen = 0;             ///< frames in a row that had no view of it
   /// What its views are off by, squared, over what others of their frames are: what no point is.
   RunningRatio stray;

@@ -73,11 +73,11 @@ std::optional<JointCorrection> joint_correction(FusionState state,
 
 // With x = S^-1 r view i is off by e_i = (S^-1)_ii^-1 x_i, of covariance (S^-1)_ii^-1, which is no
 // more than S_ii.
-std::optional<std::size_t> stray_among(const JointCorrection& views, double gate_sigma) {
+std::optional<std::size_t> outlier_among(const JointCorrection& views, double gate_sigma) {
   double most = 2 * square(gate_sigma);
   const Eigen::MatrixXd& U = views.S.matrixLLT();
   const Eigen::VectorXd x = views.S.solve(views.residual);
-  std::optional<std::size_t> stray;
+  std::optional<std::size_t> outlier;
   for (Eigen::Index row = 0; row < x.size(); row += 2) {
     const Eigen::Vector2d own = x.segment<2>(row);
     const Eigen::Vector2d by_own = U.block<2, 2>(row, row).triangularView<Eigen::Upper>() * own;
@@ -89,9 +89,9 @@ std::optional<std::size_t> stray_among(const JointCorrection& views, double gate
     const double off = own.dot(of_inverse.llt().solve(own));
     if (off <= most) continue;
     most = off;
-    stray = static_cast<std::size_t>(row / 2);
+    outlier = static_cast<std::size_t>(row / 2);
   }
-  return stray;
+  return outlier;
 }
 
 }  // namespace stillkite

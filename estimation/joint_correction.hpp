@@ -36,7 +36,7 @@ struct JointCorrection {
 /// The view that is furthest from what all others and the prediction say of it, if that is beyond
 /// the gate. What is near enough to a vague prediction may be far from what the others leave open
 /// (Baarda's data snooping).
-[[nodiscard]] std::optional<std::size_t> stray_among(const JointCorrection& views,
-                                                     double gate_sigma);
+[[nodiscard]] std::optional<std::size_t> outlier_among(const JointCorrection& views,
+                                                       double gate_sigma);
 
 }  // namespace stillkite

@@ -31,10 +31,15 @@ ViewErrors view_errors(const FusionState& state, const std::vector<Landmark>& la
   ViewErrors errors;
   errors.squared.reserve(views.size());
   for (const LandmarkView& view : views) {
-    const auto left = landmark_innovation(state, landmarks[view.landmark], 0, view.bearing,
-                                          view.usual_covariance);
-    errors.squared.push_back(left ? left->residual.dot(left->noise.llt().solve(left->residual)) / 2
-                                  : HUGE_VAL);
+    const Landmark& landmark = landmarks[view.landmark];
+    const auto expected = project_landmark(state.world_from_camera, state.world_from_anchor,
+                                           landmark.bearing, landmark.inverse_depth);
+    if (!expected) {
+      errors.squared.push_back(HUGE_VAL);
+      continue;
+    }
+    const Eigen::Vector2d off = view.bearing - expected->bearing;
+    errors.squared.push_back(off.dot(view.usual_covariance.llt().solve(off)) / 2);
   }
   errors.usual = usual_error(errors.squared);
   return errors;

@@ -51,7 +51,8 @@ struct RelativePoseEstimate {
   /// Of the essential matrix, which every model's pairs obey; its t is 0 where none was found.
   RelativePose epipolar;
   /// Of (rotation vector, t), both in the current camera: R = exp(e) R_true, t = t_true + e. Its
-  /// rank is 5 where t is known (t stays a unit vector); with t unknown the lower block is 0.
+  /// rank is 5 where t is known (t stays a unit vector); with t unknown the lower block is 0. All 0
+  /// where it is not known how good the pose is.
   Matrix6d covariance = Matrix6d::Zero();
   std::vector<unsigned char> inliers;  ///< one a pair, 1 where the model explains it
   int inlier_count = 0;

@@ -63,7 +63,7 @@ std::optional<ReferenceError> reference_error(std::span<const NavigationEstimate
                                               double tolerance_s) {
   ReferenceSamples samples;
   for (const NavigationEstimate& estimate : estimates) {
-    // the reference's own answer, whoever else has answered; not that of a new one about itself
+    // whoever has answered; not a new reference about itself
     if (!estimate.reference || estimate.reference->motion.status != EstimateStatus::ok ||
         estimate.reference->reference_stamp == estimate.stamp) {
       continue;

@@ -1,14 +1,12 @@
 #include "navigation/fused_navigator.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "estimation/ground_relief.hpp"
 #include "geometry/plane.hpp"
-#include "navigation/assumptions.hpp"
+#include "navigation/fusion_setup.hpp"
 #include "navigation/inertial_steps.hpp"
 #include "navigation/sensor_update.hpp"
 #include "navigation/stop_watch.hpp"
@@ -21,61 +19,35 @@ Verdict unmeasured(Verdict reference) {
   return is_measured(reference) ? Verdict::too_few_inliers : reference;
 }
 
-FusionConfig checked(const NavigatorConfig& navigator) {
-  const FusionConfig& config = navigator.fusion;
-  if (navigator.reference.association == Association::matching) {
-    throw InputError(
-        "reference.association: matching numbers features anew in every frame; the fusion follows "
-        "them");
-  }
-  if (config.min_landmarks <= config.landmarks) return config;
-  throw InputError(fmt::format("fusion.min_landmarks: {} is more than fusion.landmarks, {}",
-                               config.min_landmarks, config.landmarks));
-}
-
-FusionConfig fusion_of(const NavigatorConfig& navigator, const InitialState& initial) {
-  constexpr double kLessVagueDepth_ratio = 0.5;
-  FusionConfig config = navigator.fusion;
-  // nothing waits for metres that only the IMU will tell: they may come late, but where depths are
-  // as vague as in other starts they never do. Relinearised about a height of which nothing is
-  // known the filter is too sure.
-  if (initial.scale == ScaleSource::none) {
-    config.depth_correlated_frames = std::max(config.depth_correlated_frames, kCarefulFrames);
-    config.inverse_depth_sigma_ratio =
-        std::min(config.inverse_depth_sigma_ratio, kLessVagueDepth_ratio);
-    config.relinearize_start = false;
-  }
-  return config;
-}
-
-NavigatorConfig with_earlier_references(NavigatorConfig config) {
-  double& ratio = config.reference.renew_below_ratio;
-  ratio = std::max(ratio, config.fusion.renew_below_ratio);
-  return config;
-}
-
-FusionStart start_of(const InitialState& initial, const RigidTransform& body_from_camera) {
-  constexpr double kAnyHeight_log = 1.5;  // a factor of 4.5
-  return {.world_from_camera = initial.world_from_body * body_from_camera,
-          .velocity_sigma = kAnySpeed_heights_s * initial.world_from_body.translation.z(),
-          .log_unit_sigma = initial.scale == ScaleSource::none ? kAnyHeight_log : 0};
+// The reference estimator's; its motion is the filter's once that is in metres.
+NavigationEstimate with_report(NavigationEstimate out, const NavigationEstimate& reference,
+                               const MotionEstimate& since_reference) {
+  out.new_keyframe = reference.new_keyframe;
+  out.quality = reference.quality;
+  out.reference = reference.reference;
+  if (out.verdict != Verdict::ok || out.scale == ScaleSource::none) return out;
+  out.reference->motion = since_reference;
+  out.reference->motion.scale_age_s = out.scale_age_s;
+  out.reference->motion.twist_in_camera = out.twist_in_camera;
+  return out;
 }
 
 }  // namespace
 
 FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_from_camera,
-                               const NavigatorConfig& config, const InitialState& initial,
-                               Mode mode)
+                               const NavigatorConfig& config, const InitialState& initial)
     : camera_(camera),
       body_from_camera_(body_from_camera),
-      config_(checked(config)),
+      config_(checked_fusion_config(config)),
       sensors_(config.sensors),
       scale_(initial.scale == ScaleSource::none ? ScaleSource::imu : initial.scale),
       flow_(camera, body_from_camera, config, initial),
-      reference_(camera, body_from_camera, with_earlier_references(config), initial, mode),
+      reference_(camera, body_from_camera, with_earlier_references(config), initial,
+                 Mode::recommended),
       flow_from_camera_(initial.world_from_body * body_from_camera),
       landmarks_(config_, camera.focal_x_px),
-      filter_(fusion_of(config, initial), start_of(initial, body_from_camera)),
+      filter_(filter_config(config_, initial),
+              fusion_start(initial, body_from_camera, config.initial_tilt_sigma_rad)),
       home_(filter_.map()),
       is_ground_flat_(config.fusion.flat_ground) {}
 
@@ -116,16 +88,9 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const Verdict verdict = interval.spoiled                ? *interval.spoiled
                           : flow_taken || landmarks_taken ? Verdict::ok
                                                           : unmeasured(reference.verdict);
-  NavigationEstimate out = answer(frame, verdict);
+  NavigationEstimate out = with_report(answer(frame, verdict), reference, since_reference);
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
-  out.new_keyframe = reference.new_keyframe;
-  out.quality = reference.quality;
-  out.reference = reference.reference;
-  if (verdict == Verdict::ok && out.scale != ScaleSource::none) {
-    out.reference->motion = since_reference;
-    out.reference->motion.scale_age_s = out.scale_age_s;
-  }
   return out;
 }
 
@@ -179,6 +144,8 @@ void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
 void FusedNavigator::take_turn(const NavigationEstimate& reference) {
   const MotionEstimate& motion = reference.reference->motion;
   if (reference.verdict != Verdict::ok || motion.status != EstimateStatus::ok) return;
+  // of OpenCV's turns, and where pairs do not tell, nobody knows how good they are
+  if (!(motion.rotation_covariance.diagonal().minCoeff() > 0)) return;
   filter_.update_turn(motion.reference_from_camera,
                       correlated_frames() * motion.rotation_covariance);
 }
@@ -191,8 +158,12 @@ void FusedNavigator::take_rate(const NavigationEstimate& estimate) {
 void FusedNavigator::take_readings(const SensorReadings& readings, Timestamp now) {
   const CameraReadings camera =
       of_camera(readings, body_from_camera_, filter_.state().world_from_camera.rotation);
-  if (camera.attitude) filter_.update_up(camera.attitude->conjugate() * Eigen::Vector3d::UnitZ());
-  if (!camera.height_m) return;
+  constexpr double kAlike = 3;  // frames, over which what an attitude is off by lasts
+  if (camera.attitude) {
+    filter_.update_up(camera.attitude->conjugate() * Eigen::Vector3d::UnitZ(),
+                      std::sqrt(kAlike) * sensors_.attitude_sigma_rad);
+  }
+  if (!camera.height_m || !(*camera.height_m > 0)) return;
   // under a range finder a table is no ground; where nothing told a height before, the first counts
   const bool is_told = scale_ != ScaleSource::imu;
   if (camera.height_source == ScaleSource::range && is_told && !is_ground_flat_) return;

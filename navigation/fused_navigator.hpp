@@ -17,7 +17,7 @@ namespace stillkite {
 class FusedNavigator {
  public:
   FusedNavigator(const Camera& camera, const RigidTransform& body_from_camera,
-                 const NavigatorConfig& config, const InitialState& initial, Mode mode);
+                 const NavigatorConfig& config, const InitialState& initial);
 
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
                           const SensorReadings& readings);

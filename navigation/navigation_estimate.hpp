@@ -18,7 +18,7 @@ namespace stillkite {
 struct FlowQuality {
   int windows = 0;          ///< windows that carried information
   double inlier_ratio = 0;  ///< of them, the share that the one motion explains
-  double mean_flow_px = 0;  ///< mean length of the flow from the previous frame
+  double mean_flow_px = 0;  ///< mean length, since the keyframe or reference if there is one
   double residual_px = 0;   ///< robust standard deviation of flow minus motion
   double condition = 0;     ///< of the least squares' scaled normal matrix, >= 1
 };
@@ -37,7 +37,7 @@ struct EnumNames<Stage> {
 
 /// What the reference estimator says of one frame.
 struct ReferenceReport {
-  MotionEstimate motion;       ///< seen from the reference frame at hand
+  MotionEstimate motion;       ///< from the reference frame at hand; the fusion's, once in metres
   Timestamp reference_stamp;   ///< of that frame
   bool is_home = true;         ///< it is the first one; else only rotation leads further back
   bool new_reference = false;  ///< this frame is the reference from now on

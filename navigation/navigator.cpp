@@ -37,7 +37,7 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
     return BestNavigator(camera, body_from_camera, config, initial, estimator.mode);
   }
   if (estimator.policy == Policy::fused) {
-    return FusedNavigator(camera, body_from_camera, config, initial, estimator.mode);
+    return FusedNavigator(camera, body_from_camera, config, initial);
   }
   if (estimator.mode == Mode::paper)
     return PaperNavigator(camera, body_from_camera, config, initial);

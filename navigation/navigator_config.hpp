@@ -36,7 +36,7 @@ struct EstimatorConfig {
 
   static void fields(auto& self, auto&& field) {
     field("policy", self.policy, "whose motion is the answer");
-    field("mode", self.mode, "the papers' own steps, or ours");
+    field("mode", self.mode, "the papers' own steps, or ours; fused knows ours alone");
   }
 };
 
@@ -109,7 +109,7 @@ struct SensorConfig {
   }
 };
 
-/// Everything a navigator can be told. `readout_s` to `filter` are the recommended mode's, `paper`
+/// Everything a navigator can be told. `alignment` to `filter` are the recommended flow's, `paper`
 /// is the flow paper's. The keys of the reference estimator, of the choice and of the fusion are
 /// listed beside these, not among them.
 struct NavigatorConfig {

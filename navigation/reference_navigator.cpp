@@ -1,40 +1,20 @@
 #include "navigation/reference_navigator.hpp"
 
-#include <cmath>
-#include <utility>
+#include <algorithm>
 
 #include "estimation/relative_pose_estimator.hpp"
-#include "flow/pyramid.hpp"
-#include "geometry/angle.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/motion_from_pose.hpp"
-#include "navigation/picture_texture.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
 namespace {
 
-// What a loss leaves of the attitude: the camera turns on while nobody looks.
-constexpr double kLossSigma_rad = 5 * kDegree;
 constexpr int kFewestFeatures = 8;
-constexpr int kManyTimes = 2;
 constexpr double kSuddenShare = 0.5;
-constexpr int kCoarseLevels = 4;  // on the last of which noise is averaged away
-
-bool is_featureless(const cv::Mat& grey) {
-  Pyramid pyramid;
-  pyramid.build(grey, kCoarseLevels);
-  return is_bare(pyramid.level(pyramid.levels() - 1));
-}
 
 Eigen::Vector3d up_in_camera(const Eigen::Quaterniond& world_from_camera) {
   return world_from_camera.conjugate() * Eigen::Vector3d::UnitZ();
-}
-
-// About the optical axis, from x to y.
-double picture_turn_rad(const Eigen::Quaterniond& current_from_reference) {
-  const Eigen::Matrix3d R = current_from_reference.toRotationMatrix();
-  return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
 }
 
 EstimateStatus status_of(Verdict verdict) {
@@ -124,7 +104,8 @@ MotionEstimate ReferenceNavigator::carried_on(Timestamp now) const {
 }
 
 NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
-  report_.new_reference = take_reference(frame, true);
+  // what the camera did before the first picture that shows something, nothing has measured
+  report_.new_reference = take_reference(frame, frame.stamp == start_stamp_);
   report_.reference_stamp = frame.stamp;
   return answer(frame, has_reference_ ? Verdict::first_frame : Verdict::too_little_texture);
 }
@@ -193,87 +174,6 @@ void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
       (current_.covariance_from_reference + next.covariance_from_reference) / (dt_s * dt_s);
   current_ = next;
   last_pose_ = pose.pose;
-}
-
-int ReferenceNavigator::fewest_features(const Reference& reference) const {
-  return std::max(config_.min_features,
-                  static_cast<int>(config_.renew_below_ratio * reference.most_found));
-}
-
-void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdict verdict) {
-  ++frames_since_reference_;
-  const bool measured = verdict == Verdict::ok;
-  const bool is_thin = features < fewest_features(references_.back());
-  failures_ = is_thin && !measured ? failures_ + 1 : 0;
-  const bool is_time = config_.renew_every_frames > 0 && measured &&
-                       frames_since_reference_ >= config_.renew_every_frames;
-  // features that left with the answer still good make way at once; those merely hidden come back
-  const bool is_due = is_time || (is_thin && measured) || failures_ > config_.patience_frames;
-  report_.new_reference = is_due && take_reference(frame, measured);
-}
-
-// Many of its features, and of those most in one pose: less may be chance.
-bool ReferenceNavigator::sees_home(const Frame& frame, const SensorReadings& readings) {
-  if (references_.size() == 1 || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
-  const double turn_rad = picture_turn_rad(current_.world_from_camera.conjugate() *
-                                           references_.front().attitude.world_from_camera);
-  const FeatureTracks& tracks = references_.front().association.find(frame.grey, turn_rad);
-  if (tracks.found_count < kManyTimes * fewest_features(references_.front())) return false;
-  const RelativePoseEstimate pose =
-      estimate(feature_bearings(camera_, tracks).pairs, references_.front(), {}, readings.attitude);
-  return pose.model != ViewModel::undecided && 2 * pose.inlier_count > tracks.found_count;
-}
-
-void ReferenceNavigator::go_home(Timestamp now) {
-  references_.pop_back();
-  is_home_ = true;
-  is_rate_known_ = false;
-  begin_reference();
-  begin_report(now);
-  report_.is_back = true;
-}
-
-void ReferenceNavigator::begin_reference() {
-  last_pose_.reset();
-  gate_.reset();
-  frames_since_reference_ = failures_ = features_before_ = 0;
-}
-
-bool ReferenceNavigator::keeps_home() const {
-  // the hold paper holds to whatever is new; OpenCV's way drops features for good
-  return mode_ == Mode::recommended && config_.seek_home_every_frames > 0 &&
-         config_.renew_every_frames == 0 && config_.association != Association::opencv;
-}
-
-// A picture without features would be held to for ever: what there is stays until a better comes.
-bool ReferenceNavigator::set_reference(const cv::Mat& grey) {
-  if (is_featureless(grey)) return false;
-  if (!has_reference_ || !is_home_ || !keeps_home()) {
-    return references_.back().association.set_reference(grey, config_.min_features, followed_px_);
-  }
-  Reference next = fresh_reference();
-  if (!next.association.set_reference(grey, config_.min_features, followed_px_)) return false;
-  references_.push_back(std::move(next));
-  frames_away_ = 0;
-  return true;
-}
-
-bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
-  if (!set_reference(frame.grey)) return false;
-  if (!measured) {
-    current_.stamp = frame.stamp;
-    current_.covariance.diagonal().array() += kLossSigma_rad * kLossSigma_rad;
-  }
-  is_home_ = !has_reference_ || mode_ == Mode::paper;
-  if (has_reference_ && mode_ == Mode::paper) current_.world_from_camera = start_.rotation;
-  has_reference_ = true;
-  current_.covariance_from_reference.setZero();
-  references_.back().most_found = 0;
-  references_.back().attitude = current_;
-  references_.back().attitude.stamp = frame.stamp;
-  references_.back().row_times.begin(frame.stamp);
-  begin_reference();
-  return true;
 }
 
 NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdict) const {

@@ -38,6 +38,7 @@ TEST(FusionFilter, TheGroundTellsTheWayInHeights) {
 // What a filter makes of the camera's way from a keyframe that stands askew over the ground.
 struct Aside {
   FusionConfig config;
+  double tilt_sigma_rad = 1e-4;
   RigidTransform keyframe{so3_exp({2.9, 0.3, 0.1}), {1, 2, 4}};
   RigidTransform camera{so3_exp({0.002, -0.004, 0.003}) * keyframe.rotation, {1.1, 1.8, 4.15}};
   TiltAxes tilt_axes = keyframe.rotation.conjugate().toRotationMatrix().leftCols<2>();
@@ -45,7 +46,6 @@ struct Aside {
   Aside() {
     config.height_sigma_ratio = config.scale_sigma_ratio = 1e-4;
     config.acceleration_density = 100;
-    config.tilt_sigma_rad = 1e-4;
   }
   [[nodiscard]] KeyframeView view() const {
     KeyframeView view = view_of(motion_between(keyframe, camera), 1e-4);
@@ -53,7 +53,9 @@ struct Aside {
     return view;
   }
   [[nodiscard]] FusionFilter seen(const KeyframeView& view) const {
-    FusionFilter filter(config, {.world_from_camera = keyframe, .velocity_sigma = 10});
+    FusionFilter filter(
+        config,
+        {.world_from_camera = keyframe, .velocity_sigma = 10, .tilt_sigma_rad = tilt_sigma_rad});
     filter.predict({.dt_s = 0.2, .angular_rate_rad_s = {}, .specific_force_m_s2 = {}});
     EXPECT_TRUE(filter.update_keyframe_view(view, 1));
     return filter;
@@ -77,7 +79,7 @@ TEST(FusionFilter, AViewByAWrongNormalTellsTheSameMotion) {
 // ... and which ground suits them tells the vertical, in the directions that they know.
 TEST(FusionFilter, TheNormalThatSuitsTheWindowsTellsTheVertical) {
   Aside aside;
-  aside.config.tilt_sigma_rad = 0.05;
+  aside.tilt_sigma_rad = 0.05;
   const Eigen::Vector2d tilt(0.02, -0.03);  // of the vertical about the world's x and y
   KeyframeView view = aside.view();
   const double sigma = 1e-4;

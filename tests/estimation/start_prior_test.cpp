@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "estimation/fusion_filter.hpp"
+#include "geometry/angle.hpp"
 
 namespace stillkite {
 namespace {
@@ -30,8 +31,9 @@ std::vector<ToldFrame> told_frames() {
     }
     if (i % 3 == 2) {
       told.emplace_back([](FusionFilter& filter) { filter.update_height(3, 0.1); });
-      frames[i].after_views.emplace_back(
-          [](FusionFilter& filter) { filter.update_up(Eigen::Vector3d(0.1, 0.02, 1)); });
+      frames[i].after_views.emplace_back([](FusionFilter& filter) {
+        filter.update_up(Eigen::Vector3d(0.1, 0.02, 1), 1 * kDegree);
+      });
     }
   }
   return frames;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "geometry/angle.hpp"
 #include "navigation/navigator.hpp"
@@ -253,6 +254,36 @@ TEST(FusedNavigator, KnowsMetresByARangeFinder) {
     EXPECT_EQ(estimate.scale, ScaleSource::range) << i;
     EXPECT_EQ(estimate.scale_age_s > 0, !readings.height_m) << i;
     EXPECT_LT((estimate.world_from_body.translation - truth.translation).norm(), 0.1) << i;
+  }
+}
+
+// A range finder that sees nothing tells 0.
+TEST(FusedNavigator, AHeightOfZeroIsNoReading) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  const auto told = [&](std::optional<double> height_m) {
+    Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, flight.start(),
+                        {.policy = Policy::fused});
+    NavigationEstimate estimate;
+    for (std::size_t i = 0; i < 10; ++i) {
+      SensorReadings readings;
+      readings.height_m = height_m;
+      estimate = navigator.step(flight.frames[i], readings);
+    }
+    return estimate;
+  };
+  EXPECT_TRUE(told(0.0).pose_covariance.isApprox(told({}).pose_covariance, 1e-9));
+}
+
+// OpenCV's solver does not say how good its turns are.
+TEST(FusedNavigator, ATurnOfUnknownCovarianceIsNotBelievedExactly) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  NavigatorConfig config;
+  config.reference.solver = PoseSolver::opencv;
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, config, flight.start(),
+                      {.policy = Policy::fused});
+  navigator.step(flight.frames[0]);
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_GT(std::sqrt(navigator.step(flight.frames[i]).pose_covariance(5, 5)), 1e-5) << i;
   }
 }
 

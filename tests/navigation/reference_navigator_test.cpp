@@ -248,7 +248,12 @@ TEST(ReferenceNavigator, WaitsForAPictureThatShowsSomething) {
   }
   EXPECT_TRUE(
       navigator.step(frame_of(room().picture(at(kHome, 0), 3), 3)).reference->new_reference);
-  EXPECT_EQ(navigator.step(frame_of(room().picture(at(kHome, 0.5), 4), 4)).verdict, Verdict::ok);
+  const NavigationEstimate next = navigator.step(frame_of(room().picture(at(kHome, 0.5), 4), 4));
+  EXPECT_EQ(next.verdict, Verdict::ok);
+  EXPECT_NEAR(next.twist_in_camera.angular_rate_rad_s.norm(), 0.5 * kDegree * 30, 0.02)
+      << "since the reference, not since the first frame";
+  EXPECT_GT(std::sqrt(next.pose_covariance(5, 5)), 1 * kDegree)
+      << "nobody saw what the camera did before";
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+#include "navigation/fusion_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "navigation/assumptions.hpp"
+
+namespace stillkite {
+
+FusionConfig checked_fusion_config(const NavigatorConfig& navigator) {
+  const FusionConfig& config = navigator.fusion;
+  if (navigator.reference.association == Association::matching) {
+    throw InputError(
+        "reference.association: matching numbers features anew in every frame; the fusion follows "
+        "them");
+  }
+  if (config.min_landmarks <= config.landmarks) return config;
+  throw InputError(fmt::format("fusion.min_landmarks: {} is more than fusion.landmarks, {}",
+                               config.min_landmarks, config.landmarks));
+}
+
+FusionConfig filter_config(FusionConfig config, const InitialState& initial) {
+  constexpr double kLessVagueDepth_ratio = 0.5;
+  // nothing waits for metres that only the IMU will tell: they may come late, but where depths are
+  // as vague as in other starts they never do. Relinearised about a height of which nothing is
+  // known the filter is too sure.
+  if (initial.scale == ScaleSource::none) {
+    config.depth_correlated_frames = std::max(config.depth_correlated_frames, kCarefulFrames);
+    config.inverse_depth_sigma_ratio =
+        std::min(config.inverse_depth_sigma_ratio, kLessVagueDepth_ratio);
+    config.relinearize_start = false;
+  }
+  return config;
+}
+
+NavigatorConfig with_earlier_references(NavigatorConfig config) {
+  double& ratio = config.reference.renew_below_ratio;
+  ratio = std::max(ratio, config.fusion.renew_below_ratio);
+  return config;
+}
+
+FusionStart fusion_start(const InitialState& initial, const RigidTransform& body_from_camera,
+                         double tilt_sigma_rad) {
+  constexpr double kAnyHeight_log = 1.5;  // a factor of 4.5
+  const RigidTransform world_from_camera = initial.world_from_body * body_from_camera;
+  return {.world_from_camera = world_from_camera,
+          .velocity_sigma = kAnySpeed_heights_s * world_from_camera.translation.z(),
+          .tilt_sigma_rad = tilt_sigma_rad,
+          .log_unit_sigma = initial.scale == ScaleSource::none ? kAnyHeight_log : 0};
+}
+
+}  // namespace stillkite

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "estimation/fusion_state.hpp"
+#include "navigation/navigator_config.hpp"
+#include "navigation/sensor_readings.hpp"
+
+// What the fusion's parts are told, from what the navigator is.
+
+namespace stillkite {
+
+/// Throws InputError where features cannot be followed, or too many landmarks are asked for.
+[[nodiscard]] FusionConfig checked_fusion_config(const NavigatorConfig& navigator);
+
+/// More careful where no height is given.
+[[nodiscard]] FusionConfig filter_config(FusionConfig config, const InitialState& initial);
+
+/// The reference estimator's: a reference is left while the fusion still has landmarks in it.
+[[nodiscard]] NavigatorConfig with_earlier_references(NavigatorConfig config);
+
+/// The camera, at any speed; without a height in a unit of which next to nothing is known.
+[[nodiscard]] FusionStart fusion_start(const InitialState& initial,
+                                       const RigidTransform& body_from_camera,
+                                       double tilt_sigma_rad);
+
+}  // namespace stillkite
