@@ -77,8 +77,7 @@ EssentialFit fit_essential(const BearingColumns& columns, double threshold,
   RandomDraws random(static_cast<std::uint64_t>(config.seed) + 1);
   const auto count = static_cast<double>(columns.size());
   double needed = config.max_iterations;
-  int draws = 0;
-  for (; draws < needed; ++draws) {
+  for (int draws = 0; draws < needed; ++draws) {
     const std::array<BearingPair, 5> sample = pairs_at(columns, random.distinct<5>(columns.size()));
     const EssentialCandidates candidates = solve_five_point(sample);
     for (int k = 0; k < candidates.count; ++k) {
@@ -91,7 +90,6 @@ EssentialFit fit_essential(const BearingColumns& columns, double threshold,
       needed = std::min(needed, draws_needed(best.inliers / count, config.confidence));
     }
   }
-  best.draws = draws;
   return best;
 }
 

@@ -12,7 +12,6 @@ struct EssentialFit {
   RelativePose pose;  ///< any of the four that share E
   double cost = 0;    ///< sum of min(e^2 / threshold^2, 1)
   int inliers = 0;    ///< pairs below the threshold
-  int draws = 0;
   bool found = false;
 };
 

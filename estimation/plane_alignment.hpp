@@ -61,7 +61,7 @@ struct PlaneAlignment {
 
 /// Direct alignment of two frames of a plane: Lucas-Kanade windows in information form, placed by
 /// the current motion, and Gauss-Newton on SE(3) and the plane's normal, coarse to fine
-/// (DESIGN "finite motion"; Baker and Matthews 2004, "Lucas-Kanade 20 years on").
+/// (docs/flow_navigator.md; Baker and Matthews 2004, "Lucas-Kanade 20 years on").
 class PlaneAligner {
  public:
   PlaneAligner(const Camera& camera, const PlaneAlignmentConfig& config);

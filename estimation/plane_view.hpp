@@ -33,12 +33,12 @@ struct PlaneView {
                                              int draws, RandomDraws& random);
 
 /// Gauss-Newton on the transfer errors over the entries of H across H itself, whose scale is free,
-/// with Tukey's weights.
+/// with Tukey's weights; `cutoff` on z = 1.
 [[nodiscard]] Eigen::Matrix3d refine_homography(const BearingColumns& columns, Eigen::Matrix3d H,
                                                 double cutoff, int steps);
 
 /// As RelativePoseEstimate has it, of the view of a refined homography: Huber's, as
-/// pose_covariance.
+/// pose_covariance; zero where the pairs do not tell the view.
 [[nodiscard]] Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view,
                                         double cutoff);
 

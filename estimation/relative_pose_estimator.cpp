@@ -247,6 +247,9 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
   const std::vector<float> distances =
       sampson_distances(problem.columns, essential_matrix(refined.pose));
   const BearingColumns inliers = inlier_columns(problem, distances);
+  if (inliers.size() < static_cast<std::size_t>(config.min_pairs)) {
+    return with_inliers(problem, ViewModel::undecided, {}, kSigmaOfMedian);
+  }
   const Eigen::Matrix3d plane = fit_homography(inliers, problem.threshold, kPlaneDraws, random);
   const ModelEvidence evidence = weigh_models(
       inliers, refine_rotation(inliers, rotation, 2 * problem.threshold, 3), plane,

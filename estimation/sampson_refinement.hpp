@@ -27,9 +27,9 @@ using PoseStep = Eigen::Matrix<double, 5, 1>;
 [[nodiscard]] RelativePose refine_pose(const BearingColumns& columns, RelativePose pose,
                                        double cutoff, int steps);
 
-/// Of a refined pose, as in RelativePoseEstimate: s^2 (sum g g^T)^-1 over (w, u) with s^2 =
-/// mean(psi^2) / mean(psi')^2, psi the influence w(e) e. Huber 1981, "Robust statistics", section
-/// 7.6. Zero where the pairs do not tell the pose.
+/// Of a refined pose, over (rotation, direction) as in RelativePoseEstimate: Huber's for robust
+/// least squares, times what neighbours err by alike (docs/reference_pose.md, "Sampson error,
+/// weights, covariance"). Zero where the pairs do not tell the pose.
 [[nodiscard]] Matrix6d pose_covariance(const BearingColumns& columns, const RelativePose& pose,
                                        double cutoff);
 

@@ -30,8 +30,13 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return angle_between_rad(a, b) / kDegree;
 }
 
+struct FacingView {
+  PlaneView view;
+  double part_ahead = 0;  // of the pairs, in front of the plane's camera
+};
+
 // Towards the plane from the reference camera, as most pairs see it.
-PlaneView with_pairs_ahead(PlaneView view, const BearingColumns& inliers, double& part_ahead) {
+FacingView facing_pairs(PlaneView view, const BearingColumns& inliers) {
   int ahead = 0;
   const auto count = static_cast<int>(inliers.size());
   for (std::size_t i = 0; i < inliers.size(); ++i) {
@@ -42,8 +47,7 @@ PlaneView with_pairs_ahead(PlaneView view, const BearingColumns& inliers, double
     view.translation = -view.translation;
     ahead = count - ahead;
   }
-  part_ahead = count > 0 ? static_cast<double>(ahead) / count : 0;
-  return view;
+  return {view, count > 0 ? static_cast<double>(ahead) / count : 0};
 }
 
 // The index of the smaller, where it is smaller by the margin.
@@ -140,10 +144,9 @@ std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
                                        const RelativePoseHints& hints,
                                        const RelativePoseConfig& config) {
   constexpr double kMostAhead = 0.9;
-  std::array<double, 2> part{};
-  const TwoViews turned{with_pairs_ahead(views[0], on_plane, part[0]),
-                        with_pairs_ahead(views[1], on_plane, part[1])};
-  const bool first = part[0] > kMostAhead, second = part[1] > kMostAhead;
+  const FacingView a = facing_pairs(views[0], on_plane), b = facing_pairs(views[1], on_plane);
+  const TwoViews turned{a.view, b.view};
+  const bool first = a.part_ahead > kMostAhead, second = b.part_ahead > kMostAhead;
   if (first != second) return turned[first ? 0 : 1];
   if (!first) return std::nullopt;
   const double turn_deg =
@@ -162,10 +165,8 @@ std::optional<std::size_t> view_over_ground(const std::array<PlaneView, 2>& view
                                             const BearingColumns& inliers,
                                             const RelativePoseHints& hints,
                                             const RelativePoseConfig& config) {
-  double part = 0;
-  return by_ground(
-      {with_pairs_ahead(views[0], inliers, part), with_pairs_ahead(views[1], inliers, part)}, hints,
-      config);
+  return by_ground({facing_pairs(views[0], inliers).view, facing_pairs(views[1], inliers).view},
+                   hints, config);
 }
 
 }  // namespace stillkite

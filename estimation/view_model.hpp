@@ -28,7 +28,8 @@ struct ModelEvidence {
 
 /// Which of the two views that share a homography: the one with the pairs in front, then the one
 /// that keeps the vertical, then the one whose plane is level, then the one near the prior; level
-/// ground and the prior together outvote the vertical. Nothing where none tells them apart.
+/// ground and the prior together outvote the vertical. Nothing where none tells them apart, or
+/// neither has the pairs in front.
 /// `on_plane`: the pairs that the homography explains; others may well lie behind the plane.
 [[nodiscard]] std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
                                                      const BearingColumns& on_plane,

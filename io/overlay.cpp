@@ -56,6 +56,13 @@ double round_up(double x) {
   return 10 * power;
 }
 
+/// 0 where there is none.
+double mean_flow_px(std::span<const WindowFlow> windows) {
+  double sum = 0;
+  for (const WindowFlow& window : windows) sum += window.flow_px.norm();
+  return windows.empty() ? 0 : sum / static_cast<double>(windows.size());
+}
+
 /// Power of two that makes flow of that length well visible.
 double arrow_gain(double mean_flow_px, double wanted_px) {
   if (!(mean_flow_px > 0)) return 1;
@@ -148,17 +155,17 @@ void write_figures(OverlayCanvas& canvas, const NavigationEstimate& estimate) {
               {26 * u, 164 * u}, 11.5, kSoft);
 }
 
-void write_footer(OverlayCanvas& canvas, const NavigationEstimate& estimate, double gain) {
+void write_footer(OverlayCanvas& canvas, const NavigationEstimate& estimate, double flow_px,
+                  double gain) {
   const double u = canvas.unit();
   const double top = canvas.size().height - 34 * u;
   const FlowQuality& quality = estimate.quality;
   canvas.panel({0, top, static_cast<double>(canvas.size().width), 34 * u});
-  canvas.text(
-      fmt::format("{:9.3f} s  #{}   {} windows, {:.0f} % inliers, residual {:.3f} px, flow "
-                  "{:.2f} px (drawn x{:g})",
-                  to_seconds(estimate.stamp), estimate.frame_index, quality.windows,
-                  100 * quality.inlier_ratio, quality.residual_px, quality.mean_flow_px, gain),
-      {16 * u, top + 22 * u}, 11, kWhite);
+  canvas.text(fmt::format("{:9.3f} s  #{}   {} windows, {:.0f} % inliers, residual {:.3f} px, flow "
+                          "{:.2f} px (drawn x{:g})",
+                          to_seconds(estimate.stamp), estimate.frame_index, quality.windows,
+                          100 * quality.inlier_ratio, quality.residual_px, flow_px, gain),
+              {16 * u, top + 22 * u}, 11, kWhite);
 }
 
 }  // namespace
@@ -187,7 +194,8 @@ const cv::Mat& Overlay::draw(const cv::Mat& grey, const NavigationEstimate& esti
   OverlayCanvas canvas(picture_);
 
   // 1. What was seen.
-  const double gain = arrow_gain(estimate.quality.mean_flow_px * zoom_, 20 * canvas.unit());
+  const double flow_px = mean_flow_px(windows);
+  const double gain = arrow_gain(flow_px * zoom_, 20 * canvas.unit());
   draw_flow(canvas, windows, zoom_, gain);
   draw_horizon(canvas, camera_, world_from_camera, zoom_);
 
@@ -197,7 +205,7 @@ const cv::Mat& Overlay::draw(const cv::Mat& grey, const NavigationEstimate& esti
     draw_velocity(canvas, camera_, zoom_, velocity, round_up(fastest_m_s_));
   }
   write_figures(canvas, estimate);
-  write_footer(canvas, estimate, gain);
+  write_footer(canvas, estimate, flow_px, gain);
   return picture_;
 }
 

@@ -11,7 +11,7 @@ inline constexpr double kExact = 1e-8;
 inline constexpr double kAnySpeed_heights_s = 2.0;
 inline constexpr double kAnyRate_rad_s = 2.0;
 
-/// No frame leads further down than to this share of the height before it.
+/// No frame leads further down than to this share of the height of what it is compared with.
 inline constexpr double kLowest = 0.1;
 
 }  // namespace stillkite

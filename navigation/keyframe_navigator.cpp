@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "navigation/assumptions.hpp"
 #include "navigation/motion_guess.hpp"
 #include "navigation/picture_texture.hpp"
 #include "navigation/stop_watch.hpp"
@@ -181,10 +182,9 @@ Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {
     return Verdict::too_little_texture;
   }
   if (alignment.ground_ratio < trust.min_ground_ratio) return Verdict::horizon;
-  constexpr double kSunk = 0.1;
   const bool follows = alignment.correlation >= trust.min_correlation &&
                        alignment.last_update_px < trust.max_last_update_px &&
-                       alignment.covariance.allFinite() && height_ratio(alignment.motion) > kSunk;
+                       alignment.covariance.allFinite() && height_ratio(alignment.motion) > kLowest;
   if (!follows) {
     return is_bare(coarse(current_)) ? Verdict::too_little_texture : Verdict::lost;
   }

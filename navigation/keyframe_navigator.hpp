@@ -13,7 +13,7 @@
 
 namespace stillkite {
 
-/// The recommended mode: every picture is aligned to a keyframe (DESIGN section 3).
+/// The recommended mode: every picture is aligned to a keyframe (docs/flow_navigator.md).
 class KeyframeNavigator {
  public:
   KeyframeNavigator(const Camera& camera, const RigidTransform& body_from_camera,

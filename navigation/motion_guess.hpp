@@ -22,8 +22,8 @@ struct LevelView {
 };
 [[nodiscard]] LevelView level_view(const Camera& camera, const Eigen::Vector3d& normal);
 
-/// The motions that shift the view's middle as seen, over a plane of this normal: by a way
-/// parallel to the plane, and by a turn alone.
+/// The motions that shift the view's middle as seen, over a plane of this normal (camera axes): by
+/// a way parallel to the plane, and by a turn alone.
 [[nodiscard]] std::vector<PlaneMotion> motions_of(const PictureShift& shift, const Camera& camera,
                                                   const LevelView& view,
                                                   const Eigen::Vector3d& normal);
