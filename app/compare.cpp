@@ -14,6 +14,7 @@
 #include "app/estimator_run.hpp"
 #include "app/exit_code.hpp"
 #include "app/interrupt.hpp"
+#include "app/results_folder.hpp"
 #include "app/run_evaluation.hpp"
 #include "app/run_results.hpp"
 #include "app/variants.hpp"
@@ -91,10 +92,10 @@ void compare(const CompareArguments& arguments) {
   cv::setNumThreads(arguments.threads);
   FrameSource source(variants.front().config.source);
   std::vector<EstimatorRun> runs = make_runs(variants, source.first());
-  const std::filesystem::path out = arguments.out.empty()
-                                        ? std::filesystem::path("out") / arguments.config.stem()
-                                        : arguments.out;
+  const std::filesystem::path out = results_folder(arguments.out, arguments.config);
   for (std::size_t i = 0; i < runs.size(); ++i) {
+    protect_inputs_of_run(out, arguments.config, variants[i].config);
+    protect_inputs_of_run(out / variants[i].name, arguments.config, variants[i].config);
     runs[i].write_to(out / variants[i].name, source.expected());
   }
   tell_of_missing_scale(runs.front().inputs());
@@ -107,8 +108,9 @@ void compare(const CompareArguments& arguments) {
       .decoding_s = source.decoding_s(),
       .threads = arguments.threads,
       .interrupted = interrupted(),
-      .complaint = source.complaint()};
-  if (facts.complaint) fmt::print(stderr, "stillkite: {}\n", *facts.complaint);
+      .complaint = failure ? message_of(failure) : source.complaint()};
+  if (facts.complaint && !failure) fmt::print(stderr, "stillkite: {}\n", *facts.complaint);
+  tell_of_what_does_not_cover(runs.front());
   if (failure || facts.interrupted) {
     fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
                runs.front().estimates().size(), out.string());

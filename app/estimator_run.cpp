@@ -7,6 +7,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
 #include "io/output_file.hpp"
+#include "io/sensor_checks.hpp"
 
 namespace stillkite {
 namespace {
@@ -32,6 +33,7 @@ EstimatorRun::EstimatorRun(RunConfig config, const Frame& first)
 
 void EstimatorRun::write_to(const std::filesystem::path& folder,
                             std::optional<std::int64_t> expected_frames) {
+  folder_ = folder;
   const auto frames = static_cast<std::uintmax_t>(expected_frames.value_or(0));
   const std::uintmax_t bytes_per_frame =
       kBytesPerFrame + (config_.output.overlay ? kBytesPerDrawnFrame : 0);
@@ -62,6 +64,10 @@ void EstimatorRun::commit() {
   files_->estimates.commit();
   if (files_->commands) files_->commands->commit();
   if (files_->overlay) files_->overlay->commit();
+  // an earlier run's beside this one's estimates would be taken for this one's
+  std::error_code none_there;
+  if (!files_->commands) std::filesystem::remove(folder_ / "commands.csv", none_there);
+  if (!files_->overlay) std::filesystem::remove(folder_ / "overlay.mp4", none_there);
 }
 
 const std::vector<NavigationEstimate>& EstimatorRun::estimates() const {
@@ -90,6 +96,14 @@ std::exception_ptr step_through(FrameSource& source, std::span<EstimatorRun> run
   return nullptr;
 }
 
+std::string message_of(const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
 void tell_of_missing_scale(const FlightInputs& inputs) {
   if (inputs.initial.scale != ScaleSource::none) return;
   fmt::print(stderr,
@@ -98,6 +112,21 @@ void tell_of_missing_scale(const FlightInputs& inputs) {
              inputs.sensors.imu.stamps.empty()
                  ? ""
                  : "; with estimator.policy=fused a metre from where the column scale says imu");
+}
+
+void tell_of_what_does_not_cover(const EstimatorRun& run) {
+  if (run.estimates().empty()) return;
+  const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
+  for (const std::string& sentence : uncovered_by_sensors(run.inputs().sensors, first, last)) {
+    fmt::print(stderr, "stillkite: {}\n", sentence);
+  }
+  const std::vector<StampedPose>& truth = run.inputs().truth;
+  if (truth.empty() || (truth.front().stamp <= last && truth.back().stamp >= first)) return;
+  fmt::print(stderr,
+             "stillkite: truth: it is from {:.3f} s to {:.3f} s, the pictures are from {:.3f} s to "
+             "{:.3f} s: are both on one clock?\n",
+             to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
+             to_seconds(last));
 }
 
 }  // namespace stillkite

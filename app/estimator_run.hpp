@@ -48,6 +48,7 @@ class EstimatorRun {
   RunConfig config_;
   FlightInputs inputs_;
   HoverPilot pilot_;
+  std::filesystem::path folder_;
   std::optional<Files> files_;
   std::optional<Timestamp> before_;
   std::vector<float> frame_ms_;
@@ -59,7 +60,13 @@ class EstimatorRun {
 [[nodiscard]] std::exception_ptr step_through(FrameSource& source, std::span<EstimatorRun> runs,
                                               const std::string& label);
 
+/// What was wrong, in words.
+[[nodiscard]] std::string message_of(const std::exception_ptr& failure);
+
 /// One line where an estimator's lengths are no metres.
 void tell_of_missing_scale(const FlightInputs& inputs);
+
+/// One line for each sensor's log, and for a truth, that says nothing of much of the flight.
+void tell_of_what_does_not_cover(const EstimatorRun& run);
 
 }  // namespace stillkite

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -162,9 +163,19 @@ void add_evaluate(CLI::App& app) {
   command
       ->add_option("--tolerance-s", arguments->tolerance_s,
                    "how far apart in time an estimate and the nearest truth may be")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            double tolerance_s = 0;
+            const bool is_one = CLI::detail::lexical_cast(text, tolerance_s) && tolerance_s >= 0 &&
+                                std::isfinite(tolerance_s);
+            return is_one ? std::string() : text + " is no number of seconds, 0 or more";
+          },
+          ""))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "the same figures as JSON");
+  command->footer(
+      "Example: stillkite evaluate --truth truth.tum --estimate out/flight/trajectory.tum\n"
+      "A run judges itself, by its own velocities: see evaluation in its summary.json.");
   command->callback([arguments] { run(*arguments); });
 }
 

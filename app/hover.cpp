@@ -18,6 +18,7 @@
 #include "app/hover_results.hpp"
 #include "app/hover_setup.hpp"
 #include "app/interrupt.hpp"
+#include "app/results_folder.hpp"
 #include "app/trial_fleet.hpp"
 #include "io/config_printing.hpp"
 #include "io/output_file.hpp"
@@ -43,8 +44,14 @@ int crew_size(int asked_for, std::size_t trials) {
   return std::min(asked_for > 0 ? asked_for : cores, static_cast<int>(trials));
 }
 
+// Nothing that is read there is overwritten.
 fs::path output_folder(const HoverArguments& arguments) {
-  return arguments.out.empty() ? fs::path("out") / arguments.config.stem() : arguments.out;
+  const fs::path out = results_folder(arguments.out, arguments.config);
+  protect_inputs(out,
+                 {"trials.csv", "samples.csv", "estimates.csv", "hover.yaml", "summary.json",
+                  "report.html", "comparison.json"},
+                 {arguments.config});
+  return out;
 }
 
 std::vector<Trial> trials_of(const HoverConfig& config) {
@@ -72,7 +79,12 @@ FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   const std::string policy(name_of(config.estimator.policy));
-  const nlohmann::json summary = hover_summary(records, policy, wall_s);
+  nlohmann::json summary = hover_summary(records, policy, wall_s);
+  summary["interrupted"] = interrupted();
+  if (interrupted()) {
+    fmt::print(stderr, "stillkite: {}: stopped after {} of {} trials\n", label, records.size(),
+               trials.size());
+  }
   write_file(out / "trials.csv", trials_csv(records, policy));
   write_file(out / "samples.csv", samples_csv(records));
   write_file(out / "estimates.csv", hover_estimates_csv(records));
@@ -157,8 +169,7 @@ void add_hover(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "hover", "Fly the tethered drone in closed loop while its station moves: the hold trials");
   const auto arguments = std::make_shared<HoverArguments>();
-  command->add_option("config", arguments->config, "YAML file, such as configs/trials_paper.yaml")
-      ->required();
+  command->add_option("config", arguments->config, "YAML file, such as configs/trials_fused.yaml");
   command
       ->add_option(
           "--estimators", arguments->estimators,
@@ -176,6 +187,8 @@ void add_hover(CLI::App& app) {
   command->add_option("--jobs", arguments->jobs, "Trials flown at once (default: one a core)")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--json", arguments->json, "Print summary.json on stdout and nothing else");
+  const auto print = std::make_shared<bool>(false);
+  command->add_flag("--print", *print, "Print the configuration, every key explained, and stop");
   command->footer(
       "Writes trials.csv (a row a trial), samples.csv (a row a picture), "
       "estimates.csv (what each was off by), summary.json, "
@@ -184,7 +197,15 @@ void add_hover(CLI::App& app) {
       "and\ncomparison.json. Flights without stabilization are then flown once, with the first, "
       "unless\n"
       "trials.estimate_off is set.");
-  command->callback([arguments] { hover(*arguments); });
+  command->callback([arguments, print] {
+    if (*print) {
+      fmt::print("{}", print_config(load_hover_config(arguments->config, arguments->overrides)));
+    } else if (arguments->config.empty()) {
+      throw InputError("hover: no configuration is given; try configs/trials_fused.yaml");
+    } else {
+      hover(*arguments);
+    }
+  });
 }
 
 }  // namespace stillkite

@@ -24,7 +24,8 @@ cv::Mat through_jpeg(const cv::Mat& grey, int quality) {
 
 HoverConfig load_hover_config(const std::filesystem::path& file,
                               const std::vector<std::string>& overrides) {
-  ConfigNode root = read_yaml(file);
+  ConfigNode root{.kind = ConfigNode::Kind::map};
+  if (!file.empty()) root = read_yaml(file);
   for (const std::string& assignment : overrides) apply_override(root, assignment);
   HoverConfig config;
   if (root.find("plant_file") != nullptr) {

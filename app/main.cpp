@@ -1,9 +1,12 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include "app/commands.hpp"
 #include "app/exit_code.hpp"
@@ -28,7 +31,8 @@ ExitCode run_command_line(int argc, char** argv) {
     return fmt::format("stillkite: {}\nTry: {} --help\n", error.what(), at->get_name());
   });
   app.footer(
-      "Start with: stillkite config > my.yaml   (every key, its default and meaning)\n"
+      "Start with: stillkite config > my.yaml   (every key of a run, its default and meaning);\n"
+      "the keys of a flight: stillkite simulate --print, of the trials: stillkite hover --print.\n"
       "Exit status: 0 done, 1 the run failed, 2 wrong use or input, 130 interrupted.");
 
   stillkite::add_run(app);
@@ -38,6 +42,12 @@ ExitCode run_command_line(int argc, char** argv) {
   stillkite::add_hover(app);
   stillkite::add_config(app);
 
+  const std::string first = argc > 1 ? argv[1] : "";
+  const auto is_it = [&](const CLI::App* command) { return command->get_name() == first; };
+  const std::vector<CLI::App*> commands = app.get_subcommands({});
+  if (!first.empty() && first[0] != '-' && std::ranges::none_of(commands, is_it)) {
+    throw stillkite::InputError(first + ": no such command; stillkite --help lists them");
+  }
   try {
     app.parse(argc, argv);
     return ExitCode::done;

@@ -9,6 +9,7 @@
 #include "app/estimator_run.hpp"
 #include "app/exit_code.hpp"
 #include "app/interrupt.hpp"
+#include "app/results_folder.hpp"
 #include "app/run_results.hpp"
 
 namespace stillkite {
@@ -29,8 +30,8 @@ void run(const RunArguments& arguments) {
   FrameSource source(config.source);
   EstimatorRun estimator(config, source.first());
 
-  const fs::path out =
-      arguments.out.empty() ? fs::path("out") / arguments.config.stem() : arguments.out;
+  const fs::path out = results_folder(arguments.out, arguments.config);
+  protect_inputs_of_run(out, arguments.config, config);
   estimator.write_to(out, source.expected());
   tell_of_missing_scale(estimator.inputs());
 
@@ -40,10 +41,11 @@ void run(const RunArguments& arguments) {
                        .frame_ms = estimator.frame_ms(),
                        .wall_s = std::chrono::duration<double>(Clock::now() - start).count(),
                        .interrupted = interrupted(),
-                       .complaint = source.complaint(),
+                       .complaint = failure ? message_of(failure) : source.complaint(),
                        .commands = estimator.commands()};
   estimator.commit();
-  if (facts.complaint) fmt::print(stderr, "stillkite: {}\n", *facts.complaint);
+  if (facts.complaint && !failure) fmt::print(stderr, "stillkite: {}\n", *facts.complaint);
+  tell_of_what_does_not_cover(estimator);
   if (failure || facts.interrupted) {
     fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
                estimator.estimates().size(), out.string());
@@ -54,7 +56,7 @@ void run(const RunArguments& arguments) {
   if (arguments.json) {
     fmt::print("{}\n", summary.dump(2));
   } else {
-    print_run_results(summary, out);
+    print_run_results(summary, estimator.estimates(), out);
   }
   if (facts.interrupted) throw Interrupted{};
 }
@@ -76,8 +78,8 @@ void add_run(CLI::App& app) {
   command->add_flag("--json", arguments->json, "Print summary.json on stdout and nothing else");
   command->footer(
       "Writes estimates.csv (one row a frame), trajectory.tum, summary.json and report.html;\n"
-      "with --set output.overlay=true overlay.mp4 too; with --set estimator.policy=reference\n"
-      "commands.csv, what the controller would command.\n"
+      "with --set output.overlay=true overlay.mp4 too; with --set estimator.policy=reference,\n"
+      "best or fused commands.csv, what the controller would command.\n"
       "Example: stillkite run flight.yaml --set source.path=flight.mp4 --out results");
   command->callback([arguments] { run(*arguments); });
 }

@@ -18,6 +18,31 @@ std::string figure(const json& value, const char* unit) {
   return value.is_number() ? fmt::format("{:.4g} {}", value.get<double>(), unit) : "unknown";
 }
 
+// " (3 lost, 1 frozen)" of the frames that measured nothing, or nothing.
+std::string reasons(const json& verdicts) {
+  std::string list;
+  for (const auto& [verdict, name] : EnumNames<Verdict>::value) {
+    const auto count = verdicts[std::string(name)].get<std::int64_t>();
+    if (is_measured(verdict) || verdict == Verdict::first_frame || count == 0) continue;
+    list += fmt::format("{}{} {}", list.empty() ? " (" : ", ", count, name);
+  }
+  return list.empty() ? list : list + ')';
+}
+
+// Only the flow tells lengths before it knows metres: in initial heights.
+void print_end(const json& summary, const NavigationEstimate& last) {
+  const bool is_metric = summary["scale"]["source"] != name_of(ScaleSource::none);
+  if (!is_metric && last.source != EstimateSource::flow) {
+    fmt::print("at the end   no lengths are known (scale none)\n");
+    return;
+  }
+  const Eigen::Vector3d& position = last.world_from_body.translation;
+  fmt::print(
+      "at the end   x {:.3f}, y {:.3f}, z {:.3f} {}{}\n", position.x(), position.y(), position.z(),
+      is_metric ? "m" : "initial heights",
+      is_measured(last.verdict) ? "" : fmt::format(" (carried on: {})", name_of(last.verdict)));
+}
+
 }  // namespace
 
 json write_run_results(const std::filesystem::path& folder, const RunConfig& config,
@@ -36,11 +61,12 @@ json write_run_results(const std::filesystem::path& folder, const RunConfig& con
   return summary;
 }
 
-void print_run_results(const json& summary, const std::filesystem::path& folder) {
+void print_run_results(const json& summary, const std::vector<NavigationEstimate>& estimates,
+                       const std::filesystem::path& folder) {
   const json& frames = summary["frames"];
   const json& timing = summary["timing"];
-  fmt::print("frames       {} read, {} used, {} rejected\n", frames["read"].dump(),
-             frames["used"].dump(), frames["rejected"].dump());
+  fmt::print("frames       {} read, {} used, {} rejected{}\n", frames["read"].dump(),
+             frames["used"].dump(), frames["rejected"].dump(), reasons(summary["verdicts"]));
   fmt::print("speed        {}, estimator {} a frame (median)\n",
              figure(timing["frames_per_s"], "frames/s"),
              figure(timing["frame_ms"]["median"], "ms"));
@@ -48,12 +74,7 @@ void print_run_results(const json& summary, const std::filesystem::path& folder)
     fmt::print("commands     {} issued, {} held (in the shadow: nothing is flown)\n",
                commands["issued"].dump(), commands["held"].dump());
   }
-  if (const json& last = summary["final"]; !last.is_null()) {
-    const auto position = last["position_m"].get<std::vector<double>>();
-    fmt::print("at the end   x {:.3f}, y {:.3f}, z {:.3f} {}\n", position[0], position[1],
-               position[2],
-               summary["scale"]["source"] == name_of(ScaleSource::none) ? "initial heights" : "m");
-  }
+  if (!estimates.empty()) print_end(summary, estimates.back());
   if (const json& errors = summary["evaluation"]; !errors.is_null()) {
     fmt::print("against truth: {} stamps, path {}\n", errors["matched"].dump(),
                figure(errors["path_length_m"], "m"));

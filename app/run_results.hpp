@@ -18,6 +18,8 @@ nlohmann::json write_run_results(const std::filesystem::path& folder, const RunC
                                  const RunFacts& facts);
 
 /// The summary's main figures, for a person.
-void print_run_results(const nlohmann::json& summary, const std::filesystem::path& folder);
+void print_run_results(const nlohmann::json& summary,
+                       const std::vector<NavigationEstimate>& estimates,
+                       const std::filesystem::path& folder);
 
 }  // namespace stillkite

@@ -152,12 +152,17 @@ struct SimulateArguments {
   std::string out;
 };
 
-void simulate(const SimulateArguments& arguments) {
+SimulateConfig config_of(const SimulateArguments& arguments) {
   ConfigNode root{.kind = ConfigNode::Kind::map};
   if (arguments.config) root = read_yaml(*arguments.config);
   for (const std::string& assignment : arguments.overrides) apply_override(root, assignment);
+  return bind_config<SimulateConfig>(root);
+}
+
+void simulate(const SimulateArguments& arguments) {
+  const SimulateConfig config = config_of(arguments);
   try {
-    simulate_flight(bind_config<SimulateConfig>(root), arguments.out);
+    simulate_flight(config, arguments.out);
   } catch (const Interrupted&) {
     fmt::print(stderr, "stillkite: interrupted; nothing is left in {}\n", arguments.out);
     throw;
@@ -177,10 +182,13 @@ void add_simulate(CLI::App& app) {
   command->add_option("--out", arguments->out, "folder that is made for the flight")
       ->type_name("DIR");
   const auto print = std::make_shared<bool>(false);
-  command->add_flag("--print", *print, "print the defaults as YAML and stop");
+  command->add_flag("--print", *print, "print the configuration, every key explained, and stop");
+  command->footer(
+      "Start with: stillkite simulate --print > flight.yaml\n"
+      "Example: stillkite simulate flight.yaml --set flight.height_m=50 --out flight");
   command->callback([arguments, print] {
     if (*print) {
-      fmt::print("{}", print_config(SimulateConfig{}));
+      fmt::print("{}", print_config(config_of(*arguments)));
     } else if (arguments->out.empty()) {
       throw InputError("simulate: --out is missing; name the folder to make");
     } else {

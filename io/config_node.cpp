@@ -60,6 +60,23 @@ class Converter {
   int nodes_ = 0;
 };
 
+// A line of three dashes after anything but comments and directives. (YAML::LoadAll does not come
+// back from some texts that are no YAML.)
+bool has_second_document(std::string_view text) {
+  bool has_content = false;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    const bool is_start = line.starts_with("---") && line.find_first_not_of("- \t\r") == line.npos;
+    if (is_start && has_content) return true;
+    const bool is_comment =
+        first == line.npos || line[first] == '#' || line.starts_with('%') || is_start;
+    if (!is_comment) has_content = true;
+  }
+  return false;
+}
+
 // Of a map that may be changed or not.
 auto* find_in(auto& map, std::string_view key) {
   const auto at = std::find_if(map.entries.begin(), map.entries.end(),
@@ -106,11 +123,16 @@ const ConfigNode* ConfigNode::find_path(std::string_view dotted) const {
 ConfigNode parse_yaml(const std::string& text, const std::string& origin,
                       const std::filesystem::path& base_folder) {
   try {
+    if (has_second_document(text)) {
+      throw InputError(origin + ": holds more than one YAML document (---); keep one");
+    }
     const YAML::Node root = YAML::Load(text);
     return Converter(origin, base_folder).convert(root, root.Mark(), 0);
   } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}:{}:{}: not YAML: {}", origin, error.mark.line + 1,
-                                 error.mark.column + 1, error.msg));
+    const bool is_tab = text.find('\t') != std::string::npos;
+    throw InputError(fmt::format("{}:{}:{}: not YAML: {}{}", origin, error.mark.line + 1,
+                                 error.mark.column + 1, error.msg,
+                                 is_tab ? "; YAML is indented by blanks, there is a tab" : ""));
   }
 }
 

@@ -8,6 +8,7 @@
 #include "geometry/euler.hpp"
 #include "io/calibration.hpp"
 #include "io/euroc_dataset.hpp"
+#include "io/sensor_checks.hpp"
 #include "io/trajectory_file.hpp"
 
 namespace stillkite {
@@ -21,6 +22,10 @@ Calibration calibration_of(const CameraConfig& config) {
                 .centre_x_px = config.centre_x_px,
                 .centre_y_px = config.centre_y_px,
                 .distortion = config.distortion};
+  if (config.coefficients.empty() != (config.distortion == DistortionModel::none)) {
+    throw InputError(
+        "calibration.camera: distortion and coefficients belong together; give both or none");
+  }
   if (config.coefficients.size() > camera.coefficients.size()) {
     throw InputError("calibration.camera.coefficients: at most 8 are known");
   }
@@ -146,7 +151,14 @@ InitialState start_from_truth(const std::vector<StampedPose>& truth, Timestamp f
 }
 
 InitialState start_of(const RunConfig& config, const FlightInputs& inputs, Timestamp first) {
-  if (config.initial.from_truth) return start_from_truth(inputs.truth, first);
+  if (config.initial.from_truth) {
+    if (config.initial.height_m) {
+      throw InputError(
+          "initial.from_truth and initial.height_m are both given; keep one (initial.from_truth: "
+          "false starts from the height)");
+    }
+    return start_from_truth(inputs.truth, first);
+  }
   const SensorReadings readings = readings_between(inputs.sensors, first, first);
   InitialState start;
   start.world_from_body.rotation =
@@ -163,6 +175,25 @@ InitialState start_of(const RunConfig& config, const FlightInputs& inputs, Times
     start.scale = ScaleSource::range;
   }
   return start;
+}
+
+// Millimetres, centimetres or feet would be believed more than the start's height.
+void check_range(const FlightInputs& inputs, Timestamp first) {
+  constexpr double kMostRatio = 3;
+  const InitialState& start = inputs.initial;
+  const std::optional<double> reading = readings_between(inputs.sensors, first, first).height_m;
+  if (inputs.sensors.height_source != ScaleSource::range || !reading ||
+      start.scale != ScaleSource::initial_height) {
+    return;
+  }
+  const double height_m =
+      height_of_body_m(*reading, ScaleSource::range, start.world_from_body.rotation);
+  const double ratio = height_m / start.world_from_body.translation.z();
+  if (!(ratio > 0) || (ratio < kMostRatio && ratio > 1 / kMostRatio)) return;
+  throw InputError(fmt::format(
+      "height.path: reads {:.4g} at the first picture, the flight starts {:.4g} m high: is one of "
+      "them not in metres?",
+      *reading, start.world_from_body.translation.z()));
 }
 
 // A barometer knows only how the height changes: its zero is moved to the start's height.
@@ -188,6 +219,11 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
   read_truth(config, dataset, inputs);
   inputs.sensors = read_sensors(config);
   inputs.initial = start_of(config, inputs, first.stamp);
+  if (config.imu.path) {
+    check_specific_forces(inputs.sensors.imu, "imu.path", inputs.initial.world_from_body.rotation,
+                          first.stamp);
+  }
+  check_range(inputs, first.stamp);
   if (config.height.source == HeightSource::barometer) {
     tie_barometer_to_start(inputs.initial, first.stamp, inputs.sensors);
   }
@@ -199,6 +235,17 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
         config.initial.from_truth ? "the truth's z" : "initial.height_m and mount.position_m"));
   }
   return inputs;
+}
+
+std::vector<std::filesystem::path> named_files(const RunConfig& config) {
+  std::vector<std::filesystem::path> files{config.source.path};
+  for (const auto& path :
+       {config.calibration.path, config.height.path, config.gyro.path, config.imu.path,
+        config.attitude.path, config.acceleration.path,
+        config.truth.path ? find_trajectory(*config.truth.path) : std::nullopt}) {
+    if (path) files.push_back(*path);
+  }
+  return files;
 }
 
 }  // namespace stillkite

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "flow/frame.hpp"
@@ -23,5 +24,8 @@ struct FlightInputs {
 /// Throws InputError where a file is wrong, where the calibration is of another resolution than the
 /// first frame, where no calibration is found, and where the start is not determined.
 [[nodiscard]] FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first);
+
+/// The files that the configuration names, and those that a truth's folder stands for.
+[[nodiscard]] std::vector<std::filesystem::path> named_files(const RunConfig& config);
 
 }  // namespace stillkite

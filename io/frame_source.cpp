@@ -104,7 +104,8 @@ struct FrameSource::State {
   bool first_is_taken = false;
   std::optional<Timestamp> last_stamp;
   std::int64_t read = 0;
-  std::int64_t rejected = 0;
+  std::int64_t undecodable = 0;
+  std::int64_t out_of_turn = 0;  // not later than the one before
   bool at_end = false;
   std::thread thread;  // last: it uses all of the above
 };
@@ -136,10 +137,12 @@ void FrameSource::State::decode_all() {
 std::optional<Frame> FrameSource::State::take() {
   while (std::optional<ReadResult> result = queue.pop()) {
     const std::int64_t index = read++;
-    const bool usable = result->status == ReadResult::Status::frame &&
-                        (!last_stamp || result->frame.stamp > *last_stamp);
-    if (!usable) {
-      ++rejected;
+    if (result->status == ReadResult::Status::undecodable) {
+      ++undecodable;
+      continue;
+    }
+    if (last_stamp && result->frame.stamp <= *last_stamp) {
+      ++out_of_turn;
       continue;
     }
     result->frame.index = index;
@@ -181,7 +184,7 @@ std::int64_t FrameSource::read() const {
   return state_->read;
 }
 std::int64_t FrameSource::rejected() const {
-  return state_->rejected;
+  return state_->undecodable + state_->out_of_turn;
 }
 double FrameSource::decoding_s() const {
   return 1e-9 * static_cast<double>(state_->decoding_ns);
@@ -191,10 +194,26 @@ std::optional<std::int64_t> FrameSource::expected() const {
 }
 
 std::optional<std::string> FrameSource::complaint() const {
-  const auto* video = std::get_if<VideoReader>(&state_->reader);
+  const State& s = *state_;
+  std::string found;
+  const auto add = [&](const std::string& sentence) {
+    found += (found.empty() ? "" : "; ") + sentence;
+  };
   // the decoding thread has let go of the reader only at the end
-  return state_->at_end && state_->reader_ended && video != nullptr ? video->truncation()
-                                                                    : std::nullopt;
+  const auto* video = std::get_if<VideoReader>(&s.reader);
+  if (s.at_end && s.reader_ended && video != nullptr) {
+    if (const std::optional<std::string> truncation = video->truncation()) add(*truncation);
+  }
+  const std::string path = s.config.path.string();
+  if (s.undecodable > 0) {
+    add(fmt::format("{}: {} of {} pictures cannot be decoded and are left out", path, s.undecodable,
+                    s.read));
+  }
+  if (s.out_of_turn > 0) {
+    add(fmt::format("{}: {} of {} pictures are not later than the one before and are left out",
+                    path, s.out_of_turn, s.read));
+  }
+  return found.empty() ? std::nullopt : std::optional(found);
 }
 
 }  // namespace stillkite

@@ -54,7 +54,8 @@ class FrameSource {
   /// How many there should be in all, for progress.
   [[nodiscard]] std::optional<std::int64_t> expected() const;
 
-  /// After the end: what was wrong with the source as a whole (a truncated file), if anything.
+  /// What was wrong with the source so far, if anything: pictures that were skipped and, after the
+  /// end, a truncated file.
   [[nodiscard]] std::optional<std::string> complaint() const;
 
  private:

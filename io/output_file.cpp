@@ -89,6 +89,19 @@ void write_file(const fs::path& file, std::string_view text) {
   out.commit();
 }
 
+void protect_inputs(const fs::path& folder, std::initializer_list<const char*> names,
+                    const std::vector<fs::path>& inputs) {
+  for (const fs::path& input : inputs) {
+    for (const char* name : names) {
+      std::error_code none_there;
+      if (!fs::equivalent(folder / name, input, none_there)) continue;
+      throw InputError(fmt::format(
+          "{}: is read, and would be overwritten by the results; choose another folder with --out",
+          input.string()));
+    }
+  }
+}
+
 void prepare_output_folder(const fs::path& folder, std::uintmax_t bytes) {
   std::error_code failure;
   fs::create_directories(folder, failure);

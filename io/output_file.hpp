@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace stillkite {
 
@@ -35,6 +37,10 @@ class OutputFile {
 
 /// The text under that name, whole or not at all.
 void write_file(const std::filesystem::path& file, std::string_view text);
+
+/// Throws InputError where one of the `inputs` is the file of that name, which is to be written.
+void protect_inputs(const std::filesystem::path& folder, std::initializer_list<const char*> names,
+                    const std::vector<std::filesystem::path>& inputs);
 
 /// Makes the folder and proves that files can be written there and that it has room for `bytes`.
 /// Throws InputError otherwise.

@@ -1,6 +1,10 @@
 #include "io/sensor_log.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
+#include <string>
 
 #include "io/table_geometry.hpp"
 #include "navigation/navigator.hpp"
@@ -99,6 +103,27 @@ std::vector<InertialReading> inertial_between(const TimeSeries<Vector6d>& series
   return readings;
 }
 
+// What no gyroscope and no accelerometer of a drone tells: other units, or a damaged row.
+constexpr Range kRates_rad_s{-100, 100};
+constexpr Range kForces_m_s2{-2000, 2000};
+
+// Angular rates come first. Named otherwise (ax, acc_x, linear_acceleration.x) these are others.
+Eigen::Vector3d rates_at(const TableReader& row) {
+  std::string name(row.name(1));
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool is_force = name.starts_with("ax") || name.starts_with("a_") ||
+                        name.find("acc") != std::string::npos ||
+                        name.find("linear") != std::string::npos;
+  if (is_force) {
+    row.reject(fmt::format(
+        "column '{}' stands where an angular rate must: after the stamp come wx, wy, wz in rad/s, "
+        "then ax, ay, az in m/s^2",
+        row.name(1)));
+  }
+  return vector_at(row, 1, kRates_rad_s);
+}
+
 // Rows of a stamp and what `read_row` makes of the cells after it.
 template <typename Value, typename ReadRow>
 TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t columns,
@@ -126,8 +151,7 @@ SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestam
 }
 
 TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file) {
-  return read_series<Eigen::Vector3d>(file, 4,
-                                      [](const TableReader& row) { return vector_at(row, 1); });
+  return read_series<Eigen::Vector3d>(file, 4, rates_at);
 }
 
 TimeSeries<double> read_heights(const std::filesystem::path& file) {
@@ -151,7 +175,7 @@ TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
 TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
   return read_series<Vector6d>(file, 7, [](const TableReader& row) {
     Vector6d value;
-    value << vector_at(row, 1), vector_at(row, 4);
+    value << rates_at(row), vector_at(row, 4, kForces_m_s2);
     return value;
   });
 }

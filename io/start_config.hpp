@@ -38,7 +38,8 @@ struct InitialConfig {
   double roll_deg = 0;
 
   static void fields(auto& self, auto&& field) {
-    field("from_truth", self.from_truth, "start from the truth's first pose");
+    field("from_truth", self.from_truth,
+          "start from the truth's first pose, instead of the following");
     field("height_m", self.height_m, kPositive,
           "of the body over the ground; without any height the unit is the initial height");
     field("yaw_deg", self.yaw_deg, "of the body, from the world's x to its y axis");

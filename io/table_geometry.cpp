@@ -6,8 +6,9 @@
 
 namespace stillkite {
 
-Eigen::Vector3d vector_at(const TableReader& table, std::size_t column) {
-  return {table.number(column), table.number(column + 1), table.number(column + 2)};
+Eigen::Vector3d vector_at(const TableReader& table, std::size_t column, const Range& range) {
+  return {table.number(column, range), table.number(column + 1, range),
+          table.number(column + 2, range)};
 }
 
 Eigen::Quaterniond quaternion_at(const TableReader& table, std::size_t w, std::size_t xyz) {

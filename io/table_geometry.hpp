@@ -7,8 +7,9 @@
 
 namespace stillkite {
 
-/// Three neighbouring cells of the row.
-[[nodiscard]] Eigen::Vector3d vector_at(const TableReader& table, std::size_t column);
+/// Three neighbouring cells of the row, each in the range.
+[[nodiscard]] Eigen::Vector3d vector_at(const TableReader& table, std::size_t column,
+                                        const Range& range = kAny);
 
 /// Four cells of the row, w in its own column; throws InputError unless its length is 1.
 [[nodiscard]] Eigen::Quaterniond quaternion_at(const TableReader& table, std::size_t w,

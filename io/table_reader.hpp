@@ -32,6 +32,10 @@ class TableReader {
   [[nodiscard]] double number(std::size_t column, const Range& range = kAny) const;
   [[nodiscard]] std::string_view text(std::size_t column) const { return cells_[column]; }
   [[nodiscard]] std::size_t columns() const { return cells_.size(); }
+  /// As the file names it; empty where it does not.
+  [[nodiscard]] std::string_view name(std::size_t column) const {
+    return column < names_.size() ? std::string_view(names_[column]) : std::string_view();
+  }
 
   /// Throws InputError at the current row.
   [[noreturn]] void reject(const std::string& problem) const;

@@ -191,5 +191,12 @@ TEST(ConfigBinding, DocumentsThatGrowWithoutBoundAreRejected) {
   EXPECT_THROW((void)parse_sample(std::string(100000, '[')), InputError);
 }
 
+TEST(ConfigBinding, OneDocumentIsRead) {
+  const auto parse = [](const std::string& text) { return parse_yaml(text, "c.yaml", "."); };
+  EXPECT_NO_THROW(parse("%YAML:1.0\n---\na: 1\n"));
+  EXPECT_NO_THROW(parse("# first\n---\na: 1\n"));
+  EXPECT_THROW(parse("a: 1\n---\na: 2\n"), InputError);
+}
+
 }  // namespace
 }  // namespace stillkite

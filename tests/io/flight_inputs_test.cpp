@@ -80,6 +80,27 @@ TEST_F(Inputs, ARangeFinderGivesTheStartsHeight) {
   EXPECT_NEAR(inputs.initial.world_from_body.translation.z(), 9, 1e-9);
 }
 
+TEST_F(Inputs, ARangeFinderThatContradictsTheHeightByFarIsAnError) {
+  config.height = {.source = HeightSource::range,
+                   .path = folder.file("h.csv", "t [s],h\n1.4,8000\n1.6,8100\n")};
+  config.initial.height_m = 8;
+  EXPECT_NE(error().find("is one of them not in metres?"), std::string::npos);
+  config.initial.height_m = 8100;
+  EXPECT_EQ(error(), "accepted");
+}
+
+TEST_F(Inputs, TwoStartsAreAnError) {
+  config.truth.path = folder.file("t.tum", "1 0 0 10 0 0 0 1\n2 2 4 20 0 0 0 1\n");
+  config.initial.from_truth = true;
+  config.initial.height_m = 20;
+  EXPECT_NE(error().find("are both given; keep one"), std::string::npos);
+}
+
+TEST_F(Inputs, ALensWithoutItsModelIsAnError) {
+  config.calibration.camera->coefficients = {-0.3, 0.1, 0, 0};
+  EXPECT_NE(error().find("distortion and coefficients belong together"), std::string::npos);
+}
+
 TEST_F(Inputs, ABarometerIsTiedToTheInitialHeight) {
   config.height = {.source = HeightSource::barometer,
                    .path = folder.file("h.csv", "t [s],h\n1.4,308\n1.6,310\n")};

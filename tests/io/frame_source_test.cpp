@@ -221,6 +221,7 @@ TEST_F(EurocSource, APictureThatCannotBeDecodedIsCounted) {
   EXPECT_EQ(frames[1].index, 2);
   EXPECT_EQ(source.read(), 3);
   EXPECT_EQ(source.rejected(), 1);
+  EXPECT_NE(source.complaint().value_or("").find("1 of "), std::string::npos);
 }
 
 TEST(FrameSource, BuffersAreUsedAgainAndNeverWhileHeld) {

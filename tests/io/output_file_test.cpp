@@ -57,5 +57,17 @@ TEST(OutputFile, FoldersThatCannotBeUsedAreRejectedFirst) {
   EXPECT_THROW(prepare_output_folder("/proc/stillkite", 1), InputError);
 }
 
+TEST(OutputFile, NoResultTakesThePlaceOfWhatIsRead) {
+  const TemporaryFolder folder;
+  const std::filesystem::path truth = folder.file("out/trajectory.tum", "1 0 0 1 0 0 0 1\n");
+  const auto error = [&](const std::filesystem::path& out) {
+    return input_error_of(folder, [&] { protect_inputs(out, {"trajectory.tum"}, {truth}); });
+  };
+  EXPECT_EQ(error(folder.path() / "out" / ".." / "out"),
+            "out/trajectory.tum: is read, and would be overwritten by the results; choose another "
+            "folder with --out");
+  EXPECT_EQ(error(folder.path() / "elsewhere"), "accepted");
+}
+
 }  // namespace
 }  // namespace stillkite

@@ -119,5 +119,23 @@ TEST(SensorLog, ReadsEveryKindOfFile) {
             "h.csv: has no row of data");
 }
 
+TEST(SensorLog, WhatNoGyroscopeTellsIsAnError) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& text) {
+    const std::filesystem::path file = folder.file("imu.csv", text);
+    return input_error_of(folder, [&] { (void)read_imu(file); });
+  };
+  EXPECT_EQ(error("1,0,0,0,0,0,9.8\n2,0,1e160,0,0,0,9.8\n"),
+            "imu.csv:2: column 3: 1e160 is out of range, allowed is [-100, 100]");
+  EXPECT_NE(error("1,0,0,0,0,0,1e5\n").find("out of range"), std::string::npos);
+  for (const char* name : {"ax", "acc_x", "a_RS_S_x [m s^-2]", "linear_acceleration.x"}) {
+    EXPECT_NE(error(std::string("timestamp [ns],") + name + ",b,c,d,e,f\n1,0,0,9.8,0,0,0\n")
+                  .find("stands where an angular rate must"),
+              std::string::npos)
+        << name;
+  }
+  EXPECT_EQ(error("timestamp [ns],angular_velocity.x,y,z,ax,ay,az\n1,0,0,0,0,0,9.8\n"), "accepted");
+}
+
 }  // namespace
 }  // namespace stillkite
