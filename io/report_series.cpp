@@ -76,11 +76,11 @@ void add_state(Table& table, const NavigationEstimate& estimate,
 }
 
 void add_errors(Table& table, const NavigationEstimate& estimate,
-                const std::optional<RigidTransform>& truth, const Eigen::Vector3d& true_velocity) {
+                const std::optional<RigidTransform>& truth, const Eigen::Vector3d& true_position,
+                const Eigen::Vector3d& true_velocity) {
   const RigidTransform& pose = estimate.world_from_body;
-  table.add("position_true", "m", truth ? truth->translation : nothing());
-  table.add("position_error", "m",
-            truth ? (pose.translation - truth->translation).eval() : nothing());
+  table.add("position_true", "m", true_position);
+  table.add("position_error", "m", pose.translation - true_position);
   table.add(
       "attitude_error", "deg",
       truth ? (so3_log(pose.rotation * truth->rotation.conjugate()) / kDegree).eval() : nothing());
@@ -101,9 +101,16 @@ void add_quality(Table& table, const NavigationEstimate& estimate) {
   }
 }
 
+/// Lengths in heights are not to be drawn beside, or subtracted from, true ones in metres.
+bool is_in_metres(const ReportContent& content) {
+  return !content.estimates.empty() && content.estimates.back().scale != ScaleSource::none;
+}
+
 /// Mean velocity between two true positions; nothing where one is not known.
 Eigen::Vector3d true_velocity(const ReportContent& content, std::size_t i) {
-  if (i == 0 || !content.truth[i] || !content.truth[i - 1]) return nothing();
+  if (i == 0 || !is_in_metres(content) || !content.truth[i] || !content.truth[i - 1]) {
+    return nothing();
+  }
   const double dt_s = seconds_between(content.estimates[i - 1].stamp, content.estimates[i].stamp);
   if (!(dt_s > 0)) return nothing();
   return (content.truth[i]->translation - content.truth[i - 1]->translation) / dt_s;
@@ -124,7 +131,9 @@ ReportSeries report_series(const ReportContent& content) {
     if (unwrapped.allFinite()) angles = unwrapped;
     if (!content.truth.empty()) {
       const std::optional<RigidTransform>& truth = content.truth[i];
-      add_errors(table, estimate, truth, true_velocity(content, i));
+      const bool has_position = truth && is_in_metres(content);
+      add_errors(table, estimate, truth, has_position ? truth->translation : nothing(),
+                 true_velocity(content, i));
       add_angles(table, "_true", truth ? angles_deg(truth->rotation, unwrapped) : nothing());
     }
     add_quality(table, estimate);

@@ -85,9 +85,13 @@ TEST(ReportSeries, unwraps_angles_along_the_flight) {
 }
 
 TEST(ReportSeries, differences_the_truth_and_leaves_gaps) {
-  const std::vector<NavigationEstimate> estimates{at(0, 0), at(0.5, 0), at(1, 0)};
+  std::vector<NavigationEstimate> estimates{at(0, 0), at(0.5, 0), at(1, 0)};
   const std::vector<std::optional<RigidTransform>> truth{
       RigidTransform{}, RigidTransform{.translation = {2, 0, 1}}, std::nullopt};
+  const ReportSeries in_heights = report_series({.estimates = estimates, .truth = truth});
+  EXPECT_TRUE(std::isnan(in_heights.at("position_error_x_m")[1])) << "no metres beside heights";
+  EXPECT_FALSE(std::isnan(in_heights.at("attitude_error_x_deg")[1]));
+  for (NavigationEstimate& estimate : estimates) estimate.scale = ScaleSource::initial_height;
   const ReportSeries series = report_series({.estimates = estimates, .truth = truth});
   EXPECT_TRUE(std::isnan(series.at("velocity_true_x_m_s")[0]));
   EXPECT_FLOAT_EQ(series.at("velocity_true_x_m_s")[1], 4);
