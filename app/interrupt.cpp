@@ -17,6 +17,7 @@ extern "C" void raise_flag(int signal) {
 void catch_interrupts() {
   std::signal(SIGINT, raise_flag);
   std::signal(SIGTERM, raise_flag);
+  std::signal(SIGHUP, raise_flag);
 }
 
 bool interrupted() {

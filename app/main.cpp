@@ -77,5 +77,9 @@ ExitCode exit_code_of(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is then an error of write, as a full disk
   stillkite::catch_interrupts();
-  return static_cast<int>(exit_code_of(argc, argv));
+  const ExitCode code = exit_code_of(argc, argv);
+  if (std::fflush(stdout) != 0 && code == ExitCode::done) {
+    return static_cast<int>(fail(ExitCode::failed, "standard output cannot be written"));
+  }
+  return static_cast<int>(code);
 }

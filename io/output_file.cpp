@@ -42,6 +42,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
     : file_(std::move(other.file_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       on_disk_(other.on_disk_),
+      has_failed_(other.has_failed_),
       waiting_(std::move(other.waiting_)) {}
 
 OutputFile::~OutputFile() {
@@ -65,7 +66,10 @@ void OutputFile::flush() {
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       const int error = n < 0 ? errno : ENOSPC;
-      // back to the end of a whole text, so that what is there can be kept
+      // back to the end of a whole line, so that what is there can be kept
+      const std::size_t line = done > 0 ? block.rfind('\n', done - 1) : std::string::npos;
+      if (line != std::string::npos) on_disk_ += static_cast<std::int64_t>(line) + 1;
+      has_failed_ = true;
       if (ftruncate(descriptor_, on_disk_) != 0) on_disk_ = 0;
       lseek(descriptor_, on_disk_, SEEK_SET);
       fail_to_write(file_, error);
@@ -77,6 +81,7 @@ void OutputFile::flush() {
 
 void OutputFile::commit() {
   flush();
+  if (has_failed_ && on_disk_ == 0) return;  // an empty file would pass for a result
   // the data must be on the disk before the name is, or a crash leaves an empty file
   if (fsync(descriptor_) != 0) fail_to_write(file_, errno);
   if (std::rename(part_of(file_).c_str(), file_.c_str()) != 0) fail_to_write(file_, errno);

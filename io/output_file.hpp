@@ -19,9 +19,9 @@ class OutputFile {
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
 
-  /// Appends. Where the disk is full the file ends after an earlier call's text, never within one,
-  /// and can still be committed.
+  /// Appends. Where the disk is full the file ends after a whole line and can still be committed.
   void write(std::string_view text);
+  /// Of a file that the disk had no line's room for nothing is left.
   void commit();
 
   [[nodiscard]] const std::filesystem::path& path() const { return file_; }
@@ -32,6 +32,7 @@ class OutputFile {
   std::filesystem::path file_;
   int descriptor_ = -1;
   std::int64_t on_disk_ = 0;  // bytes
+  bool has_failed_ = false;   // to write; what is on the disk may be kept
   std::string waiting_;
 };
 
