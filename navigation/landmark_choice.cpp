@@ -3,6 +3,17 @@
 #include <algorithm>
 
 namespace stillkite {
+namespace {
+
+// A lens that is not as told errs by the square of the distance from its axis, or by more: of its
+// variance so many times that on the axis.
+double outwards(const BearingPair& pair) {
+  constexpr double kWide = 0.5;  // on z = 1
+  const double mean_square = 0.5 * (pair.reference.squaredNorm() + pair.current.squaredNorm());
+  return 1 + square(mean_square / square(kWide));
+}
+
+}  // namespace
 
 void LandmarkChoice::weigh(std::optional<double> unit_variance) {
   constexpr double kLeast = 0.25;  // coding may repeat a still picture, noise and all
@@ -95,8 +106,8 @@ Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings, std:
       bearings.covariance.empty()
           ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
           : bearings.covariance[pair];
-  const double alike =
-      std::max(0.0, unit_variance - kOwn) * std::max(1.0, config_.landmarks / kEnough);
+  const double alike = std::max(0.0, unit_variance - kOwn) *
+                       std::max(1.0, config_.landmarks / kEnough) * outwards(bearings.pairs[pair]);
   return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
          square(config_.pixel_noise_ratio) * (std::min(unit_variance, kOwn) + alike) * noise;
 }

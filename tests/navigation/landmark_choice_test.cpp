@@ -6,12 +6,12 @@ namespace stillkite {
 namespace {
 
 // Of one feature that is told to be good to a thousandth.
-double told_variance(int landmarks, double unit_variance) {
+double told_variance(int landmarks, double unit_variance, const Eigen::Vector2d& at = {0.1, 0.2}) {
   FusionConfig config;
   config.landmarks = landmarks;
   LandmarkChoice choice(config, 500);
   for (int i = 0; i < 1000; ++i) choice.weigh(unit_variance);
-  const FeatureBearings bearings{.pairs = {{.reference = {0.1, 0.2}, .current = {0.1, 0.2}}},
+  const FeatureBearings bearings{.pairs = {{.reference = at, .current = at}},
                                  .feature_of_pair = {0},
                                  .covariance = {1e-6 * Eigen::Matrix2d::Identity()}};
   return choice.views(bearings, {1}).front().covariance(0, 0);
@@ -36,6 +36,12 @@ TEST(LandmarkChoice, MoreLandmarksTellNoMoreThroughALensThatIsNotAsTold) {
   EXPECT_NEAR(as_noise, 6, 0.3);
   EXPECT_GT(told_variance(96, 12), 1.5 * told_variance(48, 12));
   EXPECT_LE(told_variance(96, 12), 2 * told_variance(48, 12));
+}
+
+TEST(LandmarkChoice, ALensThatIsNotAsToldErrsOutwards) {
+  const Eigen::Vector2d middle(0, 0), edge(1, 0.5);
+  EXPECT_DOUBLE_EQ(told_variance(96, 2, edge), told_variance(96, 2, middle)) << "noise";
+  EXPECT_GT(told_variance(96, 30, edge), 20 * told_variance(96, 30, middle));
 }
 
 }  // namespace
