@@ -100,16 +100,19 @@ Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings, std:
                                            double unit_variance) const {
   constexpr double kUntold_px = 0.1;
   constexpr double kOwn = 4;
+  constexpr double kCoding = 12;  // a film's first pictures, at most
   constexpr double kEnough = 48;
   const double one_px = 1 / focal_px_;
   const Eigen::Matrix2d noise =
       bearings.covariance.empty()
           ? (square(kUntold_px * one_px) * Eigen::Matrix2d::Identity()).eval()
           : bearings.covariance[pair];
-  const double alike = std::max(0.0, unit_variance - kOwn) *
-                       std::max(1.0, config_.landmarks / kEnough) * outwards(bearings.pairs[pair]);
+  const double alike = std::max(0.0, std::min(unit_variance, kCoding) - kOwn) +
+                       std::max(0.0, unit_variance - kCoding) * outwards(bearings.pairs[pair]);
+  const double once =
+      std::min(unit_variance, kOwn) + alike * std::max(1.0, config_.landmarks / kEnough);
   return square(config_.pixel_sigma_px * one_px) * Eigen::Matrix2d::Identity() +
-         square(config_.pixel_noise_ratio) * (std::min(unit_variance, kOwn) + alike) * noise;
+         square(config_.pixel_noise_ratio) * once * noise;
 }
 
 }  // namespace stillkite
