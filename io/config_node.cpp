@@ -68,10 +68,11 @@ bool has_second_document(std::string_view text) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
     const std::size_t first = line.find_first_not_of(" \t\r");
-    const bool is_start = line.starts_with("---") && line.find_first_not_of("- \t\r") == line.npos;
+    const bool is_start =
+        line.starts_with("---") && line.find_first_not_of("- \t\r") == std::string_view::npos;
     if (is_start && has_content) return true;
     const bool is_comment =
-        first == line.npos || line[first] == '#' || line.starts_with('%') || is_start;
+        first == std::string_view::npos || line[first] == '#' || line.starts_with('%') || is_start;
     if (!is_comment) has_content = true;
   }
   return false;
