@@ -11,7 +11,7 @@ fs::path results_folder(const fs::path& asked_for, const fs::path& config) {
   if (!asked_for.empty()) return asked_for;
   const fs::path flight = fs::absolute(config).lexically_normal().parent_path().filename();
   const bool is_of_flight = config.filename() == "run.yaml" && !flight.empty();
-  return fs::path("out") / (is_of_flight ? flight : config.stem());
+  return fs::path("out") / (is_of_flight ? "run-" + flight.string() : config.stem().string());
 }
 
 void protect_inputs_of_run(const fs::path& folder, const fs::path& config_file,

@@ -8,7 +8,7 @@
 namespace stillkite {
 
 /// What was asked for, else out/NAME by the configuration's name; of a simulated flight's run.yaml
-/// the flight's.
+/// out/run-FLIGHT.
 [[nodiscard]] std::filesystem::path results_folder(const std::filesystem::path& asked_for,
                                                    const std::filesystem::path& config);
 

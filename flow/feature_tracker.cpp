@@ -68,7 +68,7 @@ float correlation_of(const TileMeasurements& m, std::size_t i) {
   const float current = m.contrast[i] - 2 * m.gain_product[i] + m.residual[i];
   // of a bare window as large sums leave nothing but their rounding
   constexpr float kRounding = 1e-4F;
-  if (!(current > kRounding * m.contrast[i])) return -1;
+  if (!(m.contrast[i] > 0 && current > kRounding * m.contrast[i])) return -1;
   return (m.contrast[i] - m.gain_product[i]) / std::sqrt(m.contrast[i] * current);
 }
 
