@@ -107,7 +107,7 @@ json comparison_data(const ComparisonReportContent& content, const json& compari
     data["runs"].push_back(std::move(of_run));
     data["time_s"] = drawn(series.at("time_s"));
     data["path_time_s"] = base64(keep_every_nth(series.at("time_s"), kMaxComparedSamples));
-    if (truth.empty() || !any_metric) continue;
+    if (truth.empty() || !is_metric) continue;
     data["truth"] = {{"columns", true_columns(series)}, {"path", path_of(series, "position_true")}};
   }
   return data;
