@@ -194,7 +194,9 @@ TEST(BadFrame, ABarePictureIsNoAnswerWheneverItComes) {
           const bool is_bare = i >= first && (i - first) % 3 == 0;
           if (is_bare) frame.grey = cv::Mat(frame.grey.size(), CV_8UC1, cv::Scalar(grey));
           const Verdict verdict = navigator.step(frame).verdict;
-          if (is_bare) EXPECT_NE(verdict, Verdict::ok) << i << ' ' << grey;
+          if (is_bare) {
+            EXPECT_NE(verdict, Verdict::ok) << i << ' ' << grey;
+          }
         }
       }
     }
