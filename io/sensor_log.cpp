@@ -174,9 +174,9 @@ TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
 
 TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
   return read_series<Vector6d>(file, 7, [](const TableReader& row) {
-    Vector6d value;
-    value << rates_at(row), vector_at(row, 4, kForces_m_s2);
-    return value;
+    const Eigen::Vector3d rates = rates_at(row);
+    const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
+    return (Vector6d() << rates, forces).finished();
   });
 }
 
