@@ -116,6 +116,8 @@ class FusionFilter {
   [[nodiscard]] const std::vector<int>& dropped() const { return dropped_; }
   /// Metres.
   [[nodiscard]] RigidTransform world_from_camera_m() const;
+  /// Of the camera over the ground.
+  [[nodiscard]] double height_m() const;
   [[nodiscard]] Eigen::Vector3d velocity_in_world_m_s() const;
   /// The way since `begin_step`, metres, world axes; its covariance as the camera sees it, with the
   /// error of its attitude.

@@ -140,6 +140,10 @@ double FusionFilter::height(const Eigen::Vector3d& position) const {
          up(state_).dot(position - start_in_world_);
 }
 
+double FusionFilter::height_m() const {
+  return std::exp(state_.log_scale) * height(state_.world_from_camera.translation);
+}
+
 bool FusionFilter::shows_relief() const {
   constexpr std::size_t kFewest = 10;
   constexpr double kRelief = 0.1;

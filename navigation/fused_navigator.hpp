@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "estimation/covariance_intersection.hpp"
 #include "estimation/fusion_filter.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/keyframe_navigator.hpp"
@@ -35,14 +36,14 @@ class FusedNavigator {
   void take_readings(const SensorReadings& readings, Timestamp now);
   void judge_ground(bool is_home);
   [[nodiscard]] bool see_ground();
+  [[nodiscard]] double lens_ratio() const;
   [[nodiscard]] double correlated_frames() const;
   [[nodiscard]] bool see_landmarks(bool is_home);
   [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;
-  struct MeanVelocity {
-    Eigen::Vector3d in_world_m_s;
-    Eigen::Matrix3d covariance;
-  };
-  [[nodiscard]] MeanVelocity mean_velocity() const;
+  [[nodiscard]] Eigen::Quaterniond world_from_half_way() const;
+  [[nodiscard]] VectorEstimate mean_velocity() const;
+  [[nodiscard]] VectorEstimate velocity_by_ground(const NavigationEstimate& flow) const;
+  void take_velocity(const VectorEstimate& by_ground);
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 
   Camera camera_;
@@ -67,6 +68,7 @@ class FusedNavigator {
   bool has_gyro_ = false;    // since the last frame
   // means since the last frame
   double step_s_ = 0;  // the last interval
+  VectorEstimate velocity_in_camera_m_s_;
   Eigen::Vector3d rate_in_camera_rad_s_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d rate_covariance_ = Eigen::Matrix3d::Zero();
 };

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -231,6 +232,32 @@ TEST(FusedNavigator, FollowsTheFlowOverFlatGround) {
         0.2)
         << i;
   }
+}
+
+double velocity_rms_m_s(const test::RenderedFlight& flight, Policy policy) {
+  NavigatorConfig config;
+  config.fusion.flat_ground = true;
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, config, flight.start(),
+                      {.policy = policy});
+  constexpr std::size_t kSettled = 10;
+  double sum = 0;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const NavigationEstimate estimate = navigator.step(flight.frames[i]);
+    if (i < kSettled) continue;
+    sum += (estimate.twist_in_camera.velocity_m_s -
+            flight.record.twists_in_camera[i - 1].twist.velocity_m_s)
+               .squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(flight.frames.size() - kSettled));
+}
+
+// By the way between two of its poses alone it would err half as much again.
+TEST(FusedNavigator, KnowsTheSpeedOverFlatGroundAsWellAsTheFlow) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  const double by_flow = velocity_rms_m_s(flight, Policy::flow);
+  const double fused = velocity_rms_m_s(flight, Policy::fused);
+  std::printf("flow %.4f, fused %.4f m/s\n", by_flow, fused);
+  EXPECT_LT(fused, 1.1 * by_flow);
 }
 
 // No height at the start, but a range finder: the flight is known as if there had been one.
