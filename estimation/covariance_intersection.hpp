@@ -11,7 +11,7 @@ struct VectorEstimate {
 
 /// One value out of two estimates of it whose errors may share anything: no more sure than either
 /// allows (covariance intersection: Julier and Uhlmann 1997), weighed by the other's trace (Niehsen
-/// 2002). Both covariances positive definite.
+/// 2002). The sum of both covariances is positive definite.
 [[nodiscard]] VectorEstimate covariance_intersection(const VectorEstimate& a,
                                                      const VectorEstimate& b);
 

@@ -116,8 +116,9 @@ class FusionFilter {
   [[nodiscard]] const std::vector<int>& dropped() const { return dropped_; }
   /// Metres.
   [[nodiscard]] RigidTransform world_from_camera_m() const;
-  /// Of the camera over the ground.
+  /// Of the camera over the ground; of its logarithm the variance.
   [[nodiscard]] double height_m() const;
+  [[nodiscard]] double log_height_variance() const;
   [[nodiscard]] Eigen::Vector3d velocity_in_world_m_s() const;
   /// The way since `begin_step`, metres, world axes; its covariance as the camera sees it, with the
   /// error of its attitude.
@@ -176,6 +177,7 @@ class FusionFilter {
   bool correct_jointly(std::vector<LandmarkView>& views);
   // 4. Ground and start.
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
+  [[nodiscard]] SparseRows<1> log_height_row() const;
   void add_height_variance(double variance);
   [[nodiscard]] std::optional<Innovation<1>> ground_innovation(const Landmark& landmark,
                                                                int column) const;

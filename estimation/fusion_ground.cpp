@@ -144,6 +144,23 @@ double FusionFilter::height_m() const {
   return std::exp(state_.log_scale) * height(state_.world_from_camera.translation);
 }
 
+double FusionFilter::log_height_variance() const {
+  return log_height_row().covariance(P_)(0, 0);
+}
+
+// Of ln(height_m()).
+SparseRows<1> FusionFilter::log_height_row() const {
+  const Eigen::Vector3d u = up(state_);
+  const Eigen::Vector3d way = state_.world_from_camera.translation - start_in_world_;
+  const double h = height(state_.world_from_camera.translation);
+  const double from_start = 1 - u.dot(way) / h;
+  SparseRows<1> row;
+  row.add(Index::kPosition, u.transpose() / h);
+  row.add(Index::kTilt, up_by_tilt(way) / h);
+  row.add(Index::kScale, Eigen::RowVector2d(1 - from_start, -from_start));
+  return row;
+}
+
 bool FusionFilter::shows_relief() const {
   constexpr std::size_t kFewest = 10;
   constexpr double kRelief = 0.1;
@@ -242,18 +259,12 @@ std::optional<Innovation<1>> FusionFilter::ground_innovation(const Landmark& lan
 bool FusionFilter::update_height(double height_m, double sigma_m) {
   start_.remember([=](FusionFilter& filter) { filter.update_height(height_m, sigma_m); });
   using Row = Eigen::Matrix<double, 1, 1>;
-  const Eigen::Vector3d u = up(state_);
-  const Eigen::Vector3d way = state_.world_from_camera.translation - start_in_world_;
-  const double h = height(state_.world_from_camera.translation);
-  if (!(h > 0 && height_m > 0)) return false;
-  const double from_start = 1 - u.dot(way) / h;
-  Innovation<1> innovation{
-      .residual = Row(std::log(height_m / h) - state_.log_scale),
-      .H = {},
+  const double expected_m = this->height_m();
+  if (!(expected_m > 0 && height_m > 0)) return false;
+  const Innovation<1> innovation{
+      .residual = Row(std::log(height_m / expected_m)),
+      .H = log_height_row(),
       .noise = Row(config_.height_correlated_frames * square(sigma_m / height_m))};
-  innovation.H.add(Index::kPosition, u.transpose() / h);
-  innovation.H.add(Index::kTilt, up_by_tilt(way) / h);
-  innovation.H.add(Index::kScale, Eigen::RowVector2d(1 - from_start, -from_start));
   if (!correct(innovation)) return false;
   is_height_read_ = true;
   if (!is_height_given_) start_m_.z() = start_in_world_.z() * std::exp(-state_.log_height);

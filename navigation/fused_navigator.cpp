@@ -1,6 +1,5 @@
 #include "navigation/fused_navigator.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -45,6 +44,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
       reference_(camera, body_from_camera, with_earlier_references(config), initial,
                  Mode::recommended),
       flow_from_camera_(initial.world_from_body * body_from_camera),
+      flow_scale_(initial.scale),
       landmarks_(config_, camera.focal_x_px),
       filter_(filter_config(config_, initial),
               fusion_start(initial, body_from_camera, config.initial_tilt_sigma_rad)),
@@ -68,17 +68,18 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
   landmarks_.weigh(reference_.unit_variance());
   flow_from_camera_ = flow_from_camera;
-  if (flow.verdict == Verdict::ok) judge_ground(reference.reference->is_home);
+  if (flow.scale != flow_scale_) reseat_anchor();  // its world has another unit now
+  flow_scale_ = flow.scale;
+  if (flow.verdict == Verdict::ok && !reference.reference->is_back) {
+    judge_ground(reference.reference->is_home);
+  }
   const bool flow_taken = is_ground_flat_ && see_ground();
   if (reference.reference->is_back) filter_.restore(home_);
   const bool landmarks_taken = !interval.spoiled && see_landmarks(reference.reference->is_home);
   if (!has_gyro_ && !flow_taken) take_turn(reference);
-  if (reference.reference->is_back) {
-    flow_from_anchor_ = flow_from_camera_ * filter_.anchor_from_camera_m().inverse();
-  }
+  if (reference.reference->is_back) reseat_anchor();
   if (!has_gyro_) take_rate(flow_taken ? flow : reference);
-  velocity_in_camera_m_s_ = mean_velocity();
-  if (!has_gyro_ && flow_taken) take_velocity(velocity_by_ground(flow));
+  const VectorEstimate velocity = mean_velocity(flow, flow_taken);
   const MotionEstimate since_reference = motion_since_reference(reference.reference->motion);
   // 4. The camera, wherever it is, is what new landmarks and the ground will be seen from.
   if (reference.reference->new_reference) {
@@ -90,10 +91,16 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const Verdict verdict = interval.spoiled                ? *interval.spoiled
                           : flow_taken || landmarks_taken ? Verdict::ok
                                                           : unmeasured(reference.verdict);
-  NavigationEstimate out = with_report(answer(frame, verdict), reference, since_reference);
+  NavigationEstimate out =
+      with_report(answer(frame, verdict, velocity), reference, since_reference);
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   return out;
+}
+
+// Where the filter has it.
+void FusedNavigator::reseat_anchor() {
+  flow_from_anchor_ = flow_from_camera_ * filter_.anchor_from_camera_m().inverse();
 }
 
 // What the filter makes of what the reference estimator says of it.
@@ -240,41 +247,23 @@ bool FusedNavigator::see_landmarks(bool is_home) {
   return taken >= config_.min_landmarks;
 }
 
-// The axes of twists.
+// In the axes of the camera half way through the last interval.
+VectorEstimate FusedNavigator::mean_velocity(const NavigationEstimate& flow,
+                                             bool flow_taken) const {
+  const VectorEstimate by_way = velocity_by_way(filter_, step_s_, world_from_half_way());
+  const double flow_height_m = flow_from_camera_.translation.z();
+  if (has_gyro_ || !flow_taken || !(flow_height_m > 0 && filter_.height_m() > 0)) return by_way;
+  return velocity_by_way_and_ground(filter_, by_way, flow, flow_height_m, lens_ratio(),
+                                    config_.gate_sigma);
+}
+
 Eigen::Quaterniond FusedNavigator::world_from_half_way() const {
   return filter_.state().world_from_camera.rotation *
          so3_exp(-0.5 * step_s_ * rate_in_camera_rad_s_);
 }
 
-// The way by both ends of the interval, of which the later frame has told too.
-VectorEstimate FusedNavigator::mean_velocity() const {
-  const Eigen::Matrix3d R_t = world_from_half_way().conjugate().toRotationMatrix();
-  if (!(step_s_ > 0)) {
-    return {R_t * filter_.velocity_in_world_m_s(),
-            R_t * filter_.velocity_covariance() * R_t.transpose()};
-  }
-  return {R_t * filter_.step_m() / step_s_,
-          R_t * filter_.step_covariance() * R_t.transpose() / square(step_s_)};
-}
-
-// The flow's filter takes the drone to fly smoothly, and tells heights over the ground per second.
-VectorEstimate FusedNavigator::velocity_by_ground(const NavigationEstimate& flow) const {
-  constexpr double kUntold = 1.7;  // its NEES is 3.8 to 5.1 of 3 where lens and ground are as told
-  const double ratio = filter_.height_m() / flow_from_camera_.translation.z();
-  return {ratio * flow.twist_in_camera.velocity_m_s,
-          kUntold * lens_ratio() * square(ratio) * flow.twist_covariance.topLeftCorner<3, 3>()};
-}
-
-// Both come of the same pixels. Where the ground's contradicts the other it is none.
-void FusedNavigator::take_velocity(const VectorEstimate& by_ground) {
-  const VectorEstimate& by_way = velocity_in_camera_m_s_;
-  const Eigen::Vector3d off = by_ground.mean - by_way.mean;
-  const Eigen::Matrix3d S = by_ground.covariance + by_way.covariance;
-  if (!(off.dot(S.ldlt().solve(off)) <= 3 * square(config_.gate_sigma))) return;
-  velocity_in_camera_m_s_ = covariance_intersection(by_way, by_ground);
-}
-
-NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) const {
+NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict,
+                                          const VectorEstimate& velocity_in_camera) const {
   NavigationEstimate out;
   out.stamp = frame.stamp;
   out.frame_index = frame.index;
@@ -283,9 +272,9 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict) c
   const RigidTransform world_from_camera = filter_.world_from_camera_m();
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
   out.pose_covariance = filter_.pose_covariance();
-  out.velocity_in_world_m_s = world_from_half_way() * velocity_in_camera_m_s_.mean;
-  out.twist_in_camera = {velocity_in_camera_m_s_.mean, rate_in_camera_rad_s_};
-  out.twist_covariance.topLeftCorner<3, 3>() = velocity_in_camera_m_s_.covariance;
+  out.velocity_in_world_m_s = world_from_half_way() * velocity_in_camera.mean;
+  out.twist_in_camera = {velocity_in_camera.mean, rate_in_camera_rad_s_};
+  out.twist_covariance.topLeftCorner<3, 3>() = velocity_in_camera.covariance;
   out.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
   // metres that were merely guessed are none
   const bool is_metric = filter_.scale_sigma() < config_.metric_below_sigma_ratio;

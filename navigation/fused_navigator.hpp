@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/covariance_intersection.hpp"
 #include "estimation/fusion_filter.hpp"
 #include "navigation/frame_interval.hpp"
+#include "navigation/fused_velocity.hpp"
 #include "navigation/keyframe_navigator.hpp"
 #include "navigation/landmark_choice.hpp"
 #include "navigation/reference_navigator.hpp"
@@ -34,6 +34,7 @@ class FusedNavigator {
   void take_turn(const NavigationEstimate& reference);
   void take_rate(const NavigationEstimate& estimate);
   void take_readings(const SensorReadings& readings, Timestamp now);
+  void reseat_anchor();
   void judge_ground(bool is_home);
   [[nodiscard]] bool see_ground();
   [[nodiscard]] double lens_ratio() const;
@@ -41,10 +42,9 @@ class FusedNavigator {
   [[nodiscard]] bool see_landmarks(bool is_home);
   [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;
   [[nodiscard]] Eigen::Quaterniond world_from_half_way() const;
-  [[nodiscard]] VectorEstimate mean_velocity() const;
-  [[nodiscard]] VectorEstimate velocity_by_ground(const NavigationEstimate& flow) const;
-  void take_velocity(const VectorEstimate& by_ground);
-  [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
+  [[nodiscard]] VectorEstimate mean_velocity(const NavigationEstimate& flow, bool flow_taken) const;
+  [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict,
+                                          const VectorEstimate& velocity_in_camera) const;
 
   Camera camera_;
   RigidTransform body_from_camera_;
@@ -56,6 +56,7 @@ class FusedNavigator {
   // in the flow's own world
   RigidTransform flow_from_camera_;
   RigidTransform flow_from_anchor_;  // at the reference frame
+  ScaleSource flow_scale_;
   LandmarkChoice landmarks_;
   FusionFilter filter_;
   FusionMap home_;         // as it was when the first reference was left
@@ -68,7 +69,6 @@ class FusedNavigator {
   bool has_gyro_ = false;    // since the last frame
   // means since the last frame
   double step_s_ = 0;  // the last interval
-  VectorEstimate velocity_in_camera_m_s_;
   Eigen::Vector3d rate_in_camera_rad_s_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d rate_covariance_ = Eigen::Matrix3d::Zero();
 };

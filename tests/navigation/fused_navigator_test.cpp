@@ -284,6 +284,56 @@ TEST(FusedNavigator, KnowsMetresByARangeFinder) {
   }
 }
 
+// The flow's unit is another from its first reading on; what it saw before is to stay where it was.
+TEST(FusedNavigator, BelievesFlatGroundAlsoWhereTheFirstHeightIsLate) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  InitialState start = flight.start();
+  start.world_from_body.translation.z() = 1;
+  start.scale = ScaleSource::none;
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, start,
+                      {.policy = Policy::fused});
+  constexpr std::size_t kFirstReading = 10;
+  constexpr std::size_t kSettled = 30;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const RigidTransform& truth = flight.truth(i);
+    SensorReadings readings;
+    if (i >= kFirstReading) {
+      readings.height_m = truth.translation.z() / (truth.rotation * Eigen::Vector3d::UnitZ()).z();
+    }
+    const NavigationEstimate estimate = navigator.step(flight.frames[i], readings);
+    if (i < kSettled) continue;
+    EXPECT_EQ(estimate.scale, ScaleSource::range) << i;
+    EXPECT_EQ(estimate.scale_age_s, 0) << i;
+    EXPECT_LT((estimate.world_from_body.translation - truth.translation).norm(), 0.3) << i;
+  }
+}
+
+// A start that is wrong by what it was said to be good to: the speed over the ground is no surer.
+TEST(FusedNavigator, KnowsTheSpeedNoBetterThanItsHeight) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  NavigatorConfig config;
+  config.fusion.flat_ground = true;
+  double nees = 0;
+  int count = 0;
+  for (const double wrong_by : {-1.5, -1.0, -0.5, 0.5, 1.0, 1.5}) {
+    InitialState start = flight.start();
+    start.world_from_body.translation.z() *= 1 + wrong_by * config.fusion.height_sigma_ratio;
+    Navigator navigator(flight.record.camera, flight.record.body_from_camera, config, start,
+                        {.policy = Policy::fused});
+    for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+      const NavigationEstimate estimate = navigator.step(flight.frames[i]);
+      if (i < 10) continue;
+      const Eigen::Vector3d error = estimate.twist_in_camera.velocity_m_s -
+                                    flight.record.twists_in_camera[i - 1].twist.velocity_m_s;
+      const Eigen::Matrix3d P = estimate.twist_covariance.topLeftCorner<3, 3>();
+      nees += error.dot(P.ldlt().solve(error));
+      ++count;
+    }
+  }
+  std::printf("NEES %.2f of 3\n", nees / count);
+  EXPECT_LT(nees / count, 4.5);
+}
+
 // A range finder that sees nothing tells 0.
 TEST(FusedNavigator, AHeightOfZeroIsNoReading) {
   const test::RenderedFlight& flight = test::rendered_flight();
