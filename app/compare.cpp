@@ -20,6 +20,7 @@
 #include "app/variants.hpp"
 #include "io/comparison_report.hpp"
 #include "io/config_printing.hpp"
+#include "io/json_text.hpp"
 #include "io/output_file.hpp"
 
 namespace stillkite {
@@ -126,11 +127,11 @@ void compare(const CompareArguments& arguments) {
     compared.push_back(write_run(out / variants[i].name, variants[i], runs[i], of_run));
   }
   const nlohmann::json comparison = comparison_json(compared, facts);
-  write_file(out / "comparison.json", comparison.dump(2) + '\n');
+  write_file(out / "comparison.json", json_text(comparison) + '\n');
   write_page(out / "report.html", arguments, variants, runs, comparison);
   if (failure) std::rethrow_exception(failure);
   if (arguments.json) {
-    fmt::print("{}\n", comparison.dump(2));
+    fmt::print("{}\n", json_text(comparison));
   } else {
     fmt::print("{}report       {}\n", comparison_table(comparison), (out / "report.html").string());
   }

@@ -13,6 +13,7 @@
 #include "geometry/fields.hpp"
 #include "io/calibration.hpp"
 #include "io/euroc_dataset.hpp"
+#include "io/json_text.hpp"
 #include "io/trajectory_file.hpp"
 
 namespace stillkite {
@@ -133,7 +134,7 @@ void run(const EvaluateArguments& arguments) {
                                           .body_from_camera = truth.body_from_camera});
   reject_if_unmatched(evaluation, arguments, truth.truth.poses, estimate);
   if (arguments.json) {
-    fmt::print("{}\n", evaluation_json(evaluation).dump(2));
+    fmt::print("{}\n", json_text(evaluation_json(evaluation)));
   } else {
     print_table(evaluation, arguments, estimate.size());
   }

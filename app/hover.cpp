@@ -21,6 +21,7 @@
 #include "app/results_folder.hpp"
 #include "app/trial_fleet.hpp"
 #include "io/config_printing.hpp"
+#include "io/json_text.hpp"
 #include "io/output_file.hpp"
 
 namespace stillkite {
@@ -89,7 +90,7 @@ FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
   write_file(out / "samples.csv", samples_csv(records));
   write_file(out / "estimates.csv", hover_estimates_csv(records));
   write_file(out / "hover.yaml", print_config(config));
-  write_file(out / "summary.json", summary.dump(2) + '\n');
+  write_file(out / "summary.json", json_text(summary) + '\n');
   const std::vector<HoverReportTrial> drawn =
       hover_report_trials(records, fleet.pictures(), policy);
   write_hover_report(
@@ -106,7 +107,7 @@ void hover_with_one(const HoverArguments& arguments) {
   prepare_output_folder(out, trials.size() * kBytesPerTrial);
   const FlownTrials flown = fly_trials(arguments, out, config, make_world(config), trials, "hover");
   if (arguments.json) {
-    fmt::print("{}\n", flown.summary.dump(2));
+    fmt::print("{}\n", json_text(flown.summary));
   } else {
     fmt::print("{}\n{} trials, {:.1f} times as fast as real time\nreport       {}\n",
                hover_table(flown.summary), flown.records.size(),
@@ -143,10 +144,11 @@ void hover_with_each(const HoverArguments& arguments) {
     }
     if (trials.empty()) break;
   }
+  if (compared.empty()) throw Interrupted{};
   const nlohmann::json comparison = hover_comparison_json(compared);
-  write_file(out / "comparison.json", comparison.dump(2) + '\n');
+  write_file(out / "comparison.json", json_text(comparison) + '\n');
   if (arguments.json) {
-    fmt::print("{}\n", comparison.dump(2));
+    fmt::print("{}\n", json_text(comparison));
   } else {
     fmt::print("{}results      {}\n", hover_comparison_table(comparison), out.string());
   }

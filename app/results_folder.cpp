@@ -20,7 +20,7 @@ void protect_inputs_of_run(const fs::path& folder, const fs::path& config_file,
   inputs.push_back(config_file);
   protect_inputs(folder,
                  {"estimates.csv", "trajectory.tum", "commands.csv", "overlay.mp4", "summary.json",
-                  "report.html"},
+                  "comparison.json", "report.html"},
                  inputs);
 }
 

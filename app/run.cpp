@@ -11,6 +11,7 @@
 #include "app/interrupt.hpp"
 #include "app/results_folder.hpp"
 #include "app/run_results.hpp"
+#include "io/json_text.hpp"
 
 namespace stillkite {
 namespace {
@@ -54,7 +55,7 @@ void run(const RunArguments& arguments) {
       write_run_results(out, config, estimator.inputs(), estimator.estimates(), facts);
   if (failure) std::rethrow_exception(failure);
   if (arguments.json) {
-    fmt::print("{}\n", summary.dump(2));
+    fmt::print("{}\n", json_text(summary));
   } else {
     print_run_results(summary, estimator.estimates(), out);
   }

@@ -7,6 +7,8 @@
 namespace stillkite {
 namespace {
 
+constexpr int kFewest = 3;  // poses of the truth at a frame, without which nothing is judged
+
 // An IMU tells metres midway, and not how high over the ground the flight began.
 bool are_places_in_metres(ScaleSource scale) {
   return scale != ScaleSource::none && scale != ScaleSource::imu;
@@ -29,6 +31,7 @@ nlohmann::json run_evaluation(const FlightInputs& inputs,
   if (inputs.truth.empty() || estimates.empty()) return nullptr;
   const EvaluationOptions options = options_of(inputs, estimates);
   Evaluation evaluation = evaluate(judged_motions(estimates), truth_of(inputs), options);
+  if (evaluation.matched < kFewest) return nullptr;
   evaluation.reference =
       reference_error(estimates, inputs.truth, inputs.body_from_camera, options.tolerance_s);
   return evaluation_json(evaluation);

@@ -6,6 +6,7 @@
 
 #include "app/run_evaluation.hpp"
 #include "io/config_printing.hpp"
+#include "io/json_text.hpp"
 #include "io/report.hpp"
 
 namespace stillkite {
@@ -49,7 +50,7 @@ json write_run_results(const std::filesystem::path& folder, const RunConfig& con
                        const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates,
                        const RunFacts& facts) {
   const json summary = run_summary(estimates, facts, run_evaluation(inputs, estimates));
-  write_file(folder / "summary.json", summary.dump(2) + '\n');
+  write_file(folder / "summary.json", json_text(summary) + '\n');
   const auto truth = truth_at(inputs, estimates);
   write_report(folder / "report.html",
                {.title = config.source.path.string(),

@@ -69,7 +69,7 @@ struct FusionConfig {
     field("landmarks", self.landmarks, Range{8, 200},
           "features of the reference whose place in space is estimated");
     field("min_landmarks", self.min_landmarks, Range{4, 200},
-          "seen in a frame, without which it measured nothing");
+          "seen in a frame, without which it measured nothing but flat ground");
     field("renew_below_ratio", self.renew_below_ratio, Range{0, 0.9},
           "at least so for `reference.renew_below_ratio`: what is known of the landmarks goes over "
           "into the new reference, and few that are left are seen from ever stranger places");

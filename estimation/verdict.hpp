@@ -44,7 +44,7 @@ struct EnumNames<Verdict> {
 }
 
 /// Where the metres come from.
-enum class ScaleSource { none, initial_height, range, barometer, map, imu };
+enum class ScaleSource { none, initial_height, range, barometer, imu };
 
 template <>
 struct EnumNames<ScaleSource> {
@@ -53,7 +53,6 @@ struct EnumNames<ScaleSource> {
        {ScaleSource::initial_height, "initial_height"},
        {ScaleSource::range, "range"},
        {ScaleSource::barometer, "barometer"},
-       {ScaleSource::map, "map"},
        {ScaleSource::imu, "imu"}});
 };
 

@@ -60,7 +60,8 @@ class Converter {
   int nodes_ = 0;
 };
 
-// A line of three dashes after anything but comments and directives. (YAML::LoadAll does not come
+// A line that begins with three dashes after anything but comments and directives, or anything
+// after a line of three dots. (YAML::LoadAll does not come
 // back from some texts that are no YAML.)
 bool has_second_document(std::string_view text) {
   bool has_content = false;
@@ -68,9 +69,12 @@ bool has_second_document(std::string_view text) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
     const std::size_t first = line.find_first_not_of(" \t\r");
-    const bool is_start =
-        line.starts_with("---") && line.find_first_not_of("- \t\r") == std::string_view::npos;
+    const bool is_mark = line.size() == 3 || line.find_first_of(" \t\r") == 3;
+    const bool is_start = line.starts_with("---") && is_mark;
     if (is_start && has_content) return true;
+    if (line.starts_with("...") && is_mark) {
+      return text.find_first_not_of(" \t\r\n") != std::string_view::npos;
+    }
     const bool is_comment =
         first == std::string_view::npos || line[first] == '#' || line.starts_with('%') || is_start;
     if (!is_comment) has_content = true;

@@ -74,8 +74,7 @@ std::optional<EurocDataset> find_euroc_dataset(const fs::path& folder) {
   return EurocDataset{.images_csv = cam0 / "data.csv",
                       .calibration = if_there(cam0 / "sensor.yaml"),
                       .truth = if_there(mav0 / "state_groundtruth_estimate0/data.csv"),
-                      .camera_twists = twists,
-                      .imu = if_there(mav0 / "imu0/data.csv")};
+                      .camera_twists = twists};
 }
 
 std::vector<StampedImage> read_image_list(const fs::path& images_csv) {
@@ -90,6 +89,15 @@ std::vector<StampedImage> read_image_list(const fs::path& images_csv) {
     images.push_back({stamp, file});
   }
   if (images.empty()) throw InputError(images_csv.string() + ": lists no picture");
+  constexpr double kShortest_s = 1e-4;
+  const double mean_s = seconds_between(images.front().stamp, images.back().stamp) /
+                        static_cast<double>(std::max<std::size_t>(1, images.size() - 1));
+  if (mean_s > 0 && mean_s < kShortest_s) {
+    throw InputError(fmt::format(
+        "{}: the pictures are {:.3g} ms apart; its stamps are to be nanoseconds, are they "
+        "microseconds?",
+        images_csv.string(), 1e3 * mean_s));
+  }
   return images;
 }
 

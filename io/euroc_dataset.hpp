@@ -19,7 +19,6 @@ struct EurocDataset {
   std::optional<std::filesystem::path> calibration;    ///< mav0/cam0/sensor.yaml
   std::optional<std::filesystem::path> truth;          ///< state_groundtruth_estimate0/data.csv
   std::optional<std::filesystem::path> camera_twists;  ///< velocity.csv beside mav0, or in it
-  std::optional<std::filesystem::path> imu;            ///< mav0/imu0/data.csv
 };
 
 /// The data set at a folder that is its root, its mav0 or its mav0/cam0; nothing at any other.

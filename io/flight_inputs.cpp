@@ -108,6 +108,19 @@ void read_truth(const RunConfig& config, const std::optional<EurocDataset>& data
   }
 }
 
+// A range finder without an echo tells 0 or less: no reading, nor to be averaged with one. True
+// where none is left.
+bool drop_echoless(TimeSeries<double>& distances_m) {
+  TimeSeries<double> kept;
+  for (std::size_t i = 0; i < distances_m.stamps.size(); ++i) {
+    if (!(distances_m.values[i] > 0)) continue;
+    kept.stamps.push_back(distances_m.stamps[i]);
+    kept.values.push_back(distances_m.values[i]);
+  }
+  distances_m = std::move(kept);
+  return distances_m.stamps.empty();
+}
+
 SensorLog read_sensors(const RunConfig& config) {
   SensorLog log;
   if (config.gyro.path && config.imu.path) {
@@ -124,7 +137,11 @@ SensorLog read_sensors(const RunConfig& config) {
     throw InputError("height.source and height.path belong together; give both or none");
   }
   if (config.height.path) log.height_m = read_heights(*config.height.path);
-  if (config.height.source == HeightSource::barometer) log.height_source = ScaleSource::barometer;
+  if (config.height.source == HeightSource::barometer) {
+    log.height_source = ScaleSource::barometer;
+  } else if (config.height.path && drop_echoless(log.height_m)) {
+    throw InputError(config.height.path->string() + ": tells no distance above 0");
+  }
   return log;
 }
 

@@ -1,5 +1,7 @@
 #include "io/trajectory_file.hpp"
 
+#include <fmt/format.h>
+
 #include <fmt/core.h>
 
 #include "io/table_geometry.hpp"
@@ -28,11 +30,17 @@ Separator separator_of(const fs::path& file) {
 std::optional<fs::path> find_trajectory(const fs::path& path) {
   if (!fs::exists(path)) throw InputError(path.string() + ": no such file or folder");
   if (!fs::is_directory(path)) return path;
+  std::optional<fs::path> found;
   for (const char* name : {"data.csv", "mav0/state_groundtruth_estimate0/data.csv",
-                           "state_groundtruth_estimate0/data.csv", "trajectory.tum"}) {
-    if (fs::exists(path / name)) return path / name;
+                           "state_groundtruth_estimate0/data.csv"}) {
+    if (!found && fs::exists(path / name)) found = path / name;
   }
-  return std::nullopt;
+  if (!fs::exists(path / "trajectory.tum")) return found;
+  if (found) {
+    throw InputError(fmt::format("{}: holds a truth ({}) and a run's trajectory.tum; name one file",
+                                 path.string(), found->lexically_relative(path).string()));
+  }
+  return path / "trajectory.tum";
 }
 
 std::vector<StampedPose> read_trajectory(const fs::path& path) {

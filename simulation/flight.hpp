@@ -43,7 +43,7 @@ struct FlightConfig {
           "line: straight ahead or hovering; turn: a coordinated turn, of which the ways forward, "
           "left and up tell nothing; out_and_back: that far at half time, home at the end, always "
           "looking ahead");
-    field("duration_s", self.duration_s, kPositive, "from the first frame to the last");
+    field("duration_s", self.duration_s, Range{0.01, 36000}, "from the first frame to the last");
     field("height_m", self.height_m, kPositive, "of the body over z = 0 at the start");
     field("heading_deg", self.heading_deg, kAny, "yaw at the start");
     field("pitch_deg", self.pitch_deg, Range{-80, 80}, "mean pitch, nose down is positive");

@@ -8,7 +8,7 @@
 
 namespace stillkite {
 
-/// A measurement is known to the controller from `available` on, and was true at `stamp`.
+/// Known to the controller from `available` on; was true at `stamp`.
 struct TetherSample {
   Timestamp stamp;
   Timestamp available;
@@ -18,7 +18,6 @@ struct TetherSample {
 
 struct AttitudeReading {
   Timestamp stamp;
-  Timestamp available;
   Eigen::Quaterniond world_from_body;  ///< its yaw drifts
   Eigen::Vector3d angular_rate_in_body_rad_s;
   Eigen::Vector3d specific_force_in_body_m_s2;

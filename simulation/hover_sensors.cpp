@@ -61,7 +61,6 @@ AttitudeReading HoverSensors::read_attitude(const DroneTruth& truth, Timestamp n
   const double roll_noise_rad = sensor.tilt_noise_deg * kDegree * attitude_random_.normal();
   const ImuReading raw = imu_errors_.add_to(exact_imu(truth, now));
   return {.stamp = now,
-          .available = later(now, sensor.latency_s),
           .world_from_body = to_quaternion(
               {.yaw_rad = level.yaw_rad + yaw_drift_rad_s_ * to_seconds(now) + yaw_noise_rad,
                .pitch_rad = level.pitch_rad + pitch_noise_rad,

@@ -32,14 +32,12 @@ struct AttitudeSensorConfig {
   double tilt_noise_deg = 0.2;
   double yaw_noise_deg = 0.05;
   double yaw_drift_deg_per_min = 0.5;
-  double latency_s = 0.002;
 
   static void fields(auto& self, auto&& field) {
     field("tilt_noise_deg", self.tilt_noise_deg, kNotNegative, "of roll and pitch, 1 sigma");
     field("yaw_noise_deg", self.yaw_noise_deg, kNotNegative, "1 sigma of a sample");
     field("yaw_drift_deg_per_min", self.yaw_drift_deg_per_min, kNotNegative,
           "of its yaw, steady, to a side that the seed chooses");
-    field("latency_s", self.latency_s, kNotNegative, "from measurement to the controller");
   }
 };
 

@@ -140,6 +140,11 @@ TEST(ConfigBinding, MessagesNamePlaceKeyValueAndRemedy) {
             "a.yaml:1:1: triple: a list of 3 numbers is needed, 2 are given");
   EXPECT_EQ(sample_error("list: 3"),
             "a.yaml:1:1: list: a list of numbers such as [1, 2] is needed");
+  for (const char* second : {"---\n", "--- # more\n", "...\n"}) {
+    EXPECT_EQ(sample_error(std::string("on: true\n") + second + "on: false\n"),
+              "a.yaml: holds more than one YAML document (---); keep one")
+        << second;
+  }
   EXPECT_EQ(sample_error("on: true\non: false\n"), "a.yaml:2:1: key 'on' is given twice; keep one");
   EXPECT_EQ(sample_error("inner: 3"), "a.yaml:1:1: inner: a group of keys is needed: gain, shape");
   EXPECT_EQ(sample_error("a: b: c"), "a.yaml:1:5: not YAML: illegal map value");

@@ -127,10 +127,19 @@ TEST_F(Inputs, MessagesNameWhatToMend) {
   config.gyro = config.imu = {};
   config.height.source = HeightSource::range;
   EXPECT_NE(error().find("height.source and height.path belong together"), std::string::npos);
-  config.height.source = HeightSource::none;
+  config.height.path = folder.file("range.csv", "1000000000,0\n2000000000,-1\n");
+  EXPECT_EQ(error(), "range.csv: tells no distance above 0");
+  config.height = {};
   config.truth.path = folder.file("t.tum", "1 0 0 -3 0 0 0 1\n2 2 4 -3 0 0 0 1\n");
   config.initial.from_truth = true;
   EXPECT_NE(error().find("the camera starts at the height -3.000 m"), std::string::npos);
+}
+
+TEST_F(Inputs, WithoutAnEchoARangeFinderTellsNothing) {
+  config.height.source = HeightSource::range;
+  config.height.path =
+      folder.file("range.csv", "1000000000,20\n1100000000,0\n1200000000,-1\n1300000000,20\n");
+  EXPECT_EQ(read().sensors.height_m.values, (std::vector<double>{20, 20}));
 }
 
 }  // namespace

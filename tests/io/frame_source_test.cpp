@@ -205,13 +205,16 @@ TEST_F(EurocSource, MessagesNameFileAndLine) {
   EXPECT_EQ(error("2,a.png\n2,b.png\n"),
             "mav0/cam0/data.csv:2: stamp 2 repeats that of line 1; sort the file and drop repeats");
   EXPECT_EQ(error("#t,name\n"), "mav0/cam0/data.csv: lists no picture");
-  EXPECT_EQ(error("1,a.png\n2,small.png\n"),
+  EXPECT_EQ(error("1000000,a.png\n1033333,b.png\n"),
+            "mav0/cam0/data.csv: the pictures are 0.0333 ms apart; its stamps are to be "
+            "nanoseconds, are they microseconds?");
+  EXPECT_EQ(error("1000000000,a.png\n2000000000,small.png\n"),
             "mav0/cam0/data/small.png: is 80x48, the pictures before are 160x96; one calibration "
             "cannot serve both");
 }
 
 TEST_F(EurocSource, APictureThatCannotBeDecodedIsCounted) {
-  write("1,a.png\n2,bad.png\n3,b.png\n");
+  write("1000000000,a.png\n2000000000,bad.png\n3000000000,b.png\n");
   write_picture("a.png", picture(1));
   write_picture("b.png", picture(2));
   folder_.write("mav0/cam0/data/bad.png", "no picture");

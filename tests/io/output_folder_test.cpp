@@ -30,6 +30,25 @@ TEST(OutputFolder, LeavesNothingWithoutCommit) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+TEST(OutputFolder, FollowsALink) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path() / "disk/flight");
+  fs::create_symlink("disk/flight", folder.path() / "link");
+  OutputFolder out(folder.path() / "link", 0);
+  std::ofstream(out.part() / "file") << "x";
+  out.commit();
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "link"));
+  EXPECT_TRUE(fs::exists(folder.path() / "disk/flight/file"));
+}
+
+TEST(OutputFolder, RemovesNobodysFolder) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.file("flight.part/precious", "x");
+  EXPECT_EQ(input_error_of(folder, [&] { OutputFolder(folder.path() / "flight", 0); }),
+            "flight.part: is there already, left by a call that was killed or yours; remove it");
+  EXPECT_TRUE(fs::exists(file));
+}
+
 TEST(OutputFolder, TakesAnEmptyFolderButNoOther) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "empty");

@@ -41,6 +41,17 @@ TEST(TrajectoryFile, EurocAndTumNameTheSamePose) {
   EXPECT_EQ(euroc[0].world_from_body.rotation.w(), 0.5);
 }
 
+// The truth would be judged against itself.
+TEST(TrajectoryFile, ATruthBesideARunsTrajectoryIsToBeNamed) {
+  const TemporaryFolder folder;
+  folder.write("flight/state_groundtruth_estimate0/data.csv", "1500000000,1,2,3,1,0,0,0\n");
+  EXPECT_TRUE(find_trajectory(folder.path() / "flight").has_value());
+  folder.write("flight/trajectory.tum", "1.5 1 2 3 0 0 0 1\n");
+  EXPECT_EQ(input_error_of(folder, [&] { (void)find_trajectory(folder.path() / "flight"); }),
+            "flight: holds a truth (state_groundtruth_estimate0/data.csv) and a run's "
+            "trajectory.tum; name one file");
+}
+
 TEST(TrajectoryFile, AFolderWithoutDataHasNoTruth) {
   const TemporaryFolder folder;
   folder.write("truth/sensor.yaml", "comment: none\n");

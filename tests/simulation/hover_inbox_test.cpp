@@ -8,7 +8,6 @@ namespace {
 HoverReadings attitude_at(double t_s, double rate_rad_s) {
   HoverReadings readings;
   readings.attitude.push_back({.stamp = from_seconds(t_s),
-                               .available = from_seconds(t_s),
                                .world_from_body = Eigen::Quaterniond::Identity(),
                                .angular_rate_in_body_rad_s = {rate_rad_s, 0, 0},
                                .specific_force_in_body_m_s2 = {0, 0, 9.8}});
