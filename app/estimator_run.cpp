@@ -6,6 +6,7 @@
 
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
+#include "app/run_evaluation.hpp"
 #include "io/output_file.hpp"
 #include "io/sensor_checks.hpp"
 
@@ -121,12 +122,15 @@ void tell_of_what_does_not_cover(const EstimatorRun& run) {
     fmt::print(stderr, "stillkite: {}\n", sentence);
   }
   const std::vector<StampedPose>& truth = run.inputs().truth;
-  if (truth.empty() || (truth.front().stamp <= last && truth.back().stamp >= first)) return;
+  if (truth.empty()) return;
+  const std::int64_t judged = frames_with_truth(run.inputs(), run.estimates());
+  if (judged >= kFewestToJudge) return;
   fmt::print(stderr,
-             "stillkite: truth: it is from {:.3f} s to {:.3f} s, the pictures are from {:.3f} s to "
+             "stillkite: truth: it has a pose at {} of the pictures, too few to judge by: it is "
+             "from {:.3f} s to {:.3f} s, the pictures are from {:.3f} s to "
              "{:.3f} s: are both on one clock?\n",
-             to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
-             to_seconds(last));
+             judged, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp),
+             to_seconds(first), to_seconds(last));
 }
 
 }  // namespace stillkite

@@ -8,6 +8,7 @@
 
 #include "app/commands.hpp"
 #include "app/evaluation_json.hpp"
+#include "app/run_evaluation.hpp"
 #include "evaluation/evaluation.hpp"
 #include "geometry/angle.hpp"
 #include "geometry/fields.hpp"
@@ -60,8 +61,7 @@ std::string span_text(const std::vector<StampedPose>& poses) {
 void reject_if_unmatched(const Evaluation& evaluation, const EvaluateArguments& arguments,
                          const std::vector<StampedPose>& truth,
                          const std::vector<StampedPose>& estimate) {
-  constexpr int kFewest = 3;  // a path with one bend
-  if (evaluation.matched < kFewest) {
+  if (evaluation.matched < kFewestToJudge) {
     throw InputError(fmt::format(
         "{}: {} of its stamps are within {} s of one in {}, too few; the estimate has {}, the "
         "truth {}: are both on one clock? (--tolerance-s widens the match)",

@@ -1,13 +1,12 @@
 #include "app/run_evaluation.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/evaluation_json.hpp"
 
 namespace stillkite {
 namespace {
-
-constexpr int kFewest = 3;  // poses of the truth at a frame, without which nothing is judged
 
 // An IMU tells metres midway, and not how high over the ground the flight began.
 bool are_places_in_metres(ScaleSource scale) {
@@ -26,12 +25,18 @@ Truth truth_of(const FlightInputs& inputs) {
 
 }  // namespace
 
+std::int64_t frames_with_truth(const FlightInputs& inputs,
+                               std::span<const NavigationEstimate> estimates) {
+  const auto truth = truth_at(inputs, estimates);
+  return std::count_if(truth.begin(), truth.end(),
+                       [](const auto& pose) { return pose.has_value(); });
+}
+
 nlohmann::json run_evaluation(const FlightInputs& inputs,
                               std::span<const NavigationEstimate> estimates) {
-  if (inputs.truth.empty() || estimates.empty()) return nullptr;
+  if (frames_with_truth(inputs, estimates) < kFewestToJudge) return nullptr;
   const EvaluationOptions options = options_of(inputs, estimates);
   Evaluation evaluation = evaluate(judged_motions(estimates), truth_of(inputs), options);
-  if (evaluation.matched < kFewest) return nullptr;
   evaluation.reference =
       reference_error(estimates, inputs.truth, inputs.body_from_camera, options.tolerance_s);
   return evaluation_json(evaluation);
@@ -39,7 +44,7 @@ nlohmann::json run_evaluation(const FlightInputs& inputs,
 
 std::vector<FrameError> run_frame_errors(const FlightInputs& inputs,
                                          std::span<const NavigationEstimate> estimates) {
-  if (inputs.truth.empty() || estimates.empty()) return {};
+  if (frames_with_truth(inputs, estimates) < kFewestToJudge) return {};
   return frame_errors(judged_motions(estimates), truth_of(inputs), options_of(inputs, estimates));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
@@ -10,11 +11,19 @@
 
 namespace stillkite {
 
-/// `evaluation` of summary.json: against the truth without any alignment; null where there is none.
+/// So many frames with a truth, a path with one bend; with less nothing is judged.
+inline constexpr int kFewestToJudge = 3;
+
+/// At which the truth has a pose.
+[[nodiscard]] std::int64_t frames_with_truth(const FlightInputs& inputs,
+                                             std::span<const NavigationEstimate> estimates);
+
+/// `evaluation` of summary.json: against the truth without any alignment; null where there is
+/// none, or too little.
 [[nodiscard]] nlohmann::json run_evaluation(const FlightInputs& inputs,
                                             std::span<const NavigationEstimate> estimates);
 
-/// One for each estimate; empty where there is no truth.
+/// One for each estimate; empty where there is no truth, or too little.
 [[nodiscard]] std::vector<FrameError> run_frame_errors(
     const FlightInputs& inputs, std::span<const NavigationEstimate> estimates);
 
