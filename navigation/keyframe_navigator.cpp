@@ -86,7 +86,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   }
   // 6. A new keyframe where the old one is nearly out of sight, or does not align any more.
   const bool new_keyframe =
-      verdict == Verdict::ok ? is_used_up(alignment) : is_given_up(verdict, interval);
+      verdict == Verdict::ok ? count_success(alignment) : count_failure(verdict, interval);
   if (new_keyframe) take_keyframe();
   NavigationEstimate out = answer(frame, verdict);
   out.new_keyframe = new_keyframe;
@@ -226,7 +226,7 @@ std::vector<WindowFlow> KeyframeNavigator::windows() const {
   return out;
 }
 
-bool KeyframeNavigator::is_used_up(const PlaneAlignment& alignment) {
+bool KeyframeNavigator::count_success(const PlaneAlignment& alignment) {
   const KeyframeConfig& keyframes = config_.keyframes;
   failures_ = 0;
   windows_at_keyframe_ = std::max(windows_at_keyframe_, alignment.windows);
@@ -235,7 +235,7 @@ bool KeyframeNavigator::is_used_up(const PlaneAlignment& alignment) {
          alignment.windows < keyframes.renew_at_overlap * windows_at_keyframe_;
 }
 
-bool KeyframeNavigator::is_given_up(Verdict verdict, const FrameInterval& interval) {
+bool KeyframeNavigator::count_failure(Verdict verdict, const FrameInterval& interval) {
   if (verdict == Verdict::frozen || (verdict == Verdict::time_gap && !interval.is_late)) {
     return false;
   }

@@ -42,8 +42,9 @@ class KeyframeNavigator {
   [[nodiscard]] PlaneAlignment align_at_speed(const PlaneMotion& guess, const MotionFilter& speed);
   void remember_windows(const FrameInterval& interval);
   [[nodiscard]] Verdict judge(const PlaneAlignment& alignment) const;
-  [[nodiscard]] bool is_used_up(const PlaneAlignment& alignment);
-  [[nodiscard]] bool is_given_up(Verdict verdict, const FrameInterval& interval);
+  // True: a new keyframe is due.
+  [[nodiscard]] bool count_success(const PlaneAlignment& alignment);
+  [[nodiscard]] bool count_failure(Verdict verdict, const FrameInterval& interval);
   void take_keyframe();
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 

@@ -50,7 +50,7 @@ void LandmarkChoice::choose(FusionFilter& filter, const FeatureBearings& bearing
   if (std::find(usable.begin(), usable.end(), 1) == usable.end()) return;
   // as many more as may take the places of those that stray
   constexpr std::size_t kOffered = 2;
-  const auto count = static_cast<std::size_t>(lacking(filter, is_home));
+  const auto count = static_cast<std::size_t>(make_room(filter, is_home));
   const bool is_first_choice = filter.landmarks().empty();
   std::vector<Eigen::Vector2d> at_hand;
   at_hand.reserve(filter.landmarks().size());
@@ -78,7 +78,7 @@ void LandmarkChoice::number(FusionFilter& filter, const FeatureBearings& bearing
   filter.number_landmarks(reference, kSamePoint_px / focal_px_);
 }
 
-int LandmarkChoice::lacking(FusionFilter& filter, bool is_home) const {
+int LandmarkChoice::make_room(FusionFilter& filter, bool is_home) const {
   const std::vector<Landmark>& landmarks = filter.landmarks();
   const auto in_view = static_cast<int>(std::count_if(
       landmarks.begin(), landmarks.end(), [](const Landmark& l) { return l.unseen == 0; }));

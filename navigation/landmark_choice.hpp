@@ -29,7 +29,8 @@ class LandmarkChoice {
 
  private:
   void number(FusionFilter& filter, const FeatureBearings& bearings) const;
-  [[nodiscard]] int lacking(FusionFilter& filter, bool is_home) const;
+  // How many may come.
+  [[nodiscard]] int make_room(FusionFilter& filter, bool is_home) const;
   [[nodiscard]] FeatureView in_reference(const FeatureBearings& bearings, std::size_t pair) const;
   [[nodiscard]] Eigen::Matrix2d covariance(const FeatureBearings& bearings, std::size_t pair,
                                            double unit_variance) const;

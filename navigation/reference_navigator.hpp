@@ -61,7 +61,7 @@ class ReferenceNavigator {
       const std::vector<BearingPair>& pairs, const Reference& reference,
       const std::optional<RelativePose>& prior,
       const std::optional<Eigen::Quaterniond>& world_from_body) const;
-  [[nodiscard]] bool sees_home(const Frame& frame, const SensorReadings& readings);
+  [[nodiscard]] bool look_for_home(const Frame& frame, const SensorReadings& readings);
   void go_home(Timestamp now);
   [[nodiscard]] Reference fresh_reference() const;
   void begin_report(Timestamp now);

@@ -50,7 +50,7 @@ void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdi
 }
 
 // Many of its features, and of those most in one pose: less may be chance.
-bool ReferenceNavigator::sees_home(const Frame& frame, const SensorReadings& readings) {
+bool ReferenceNavigator::look_for_home(const Frame& frame, const SensorReadings& readings) {
   if (references_.size() == 1 || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
   const double turn_rad = picture_turn_rad(current_.world_from_camera.conjugate() *
                                            references_.front().attitude.world_from_camera);

@@ -68,7 +68,7 @@ double HoldController::advance(Timestamp now) {
 }
 
 // A slack tether that is paid out further moves nothing, or hangs low.
-VehicleLimits HoldController::limits_at(const TetherReading& reading) {
+VehicleLimits HoldController::take_limits(const TetherReading& reading) {
   if (reading.taut || !taut_length_m_) taut_length_m_ = reading.tether.length_m;
   VehicleLimits limits = config_.limits;
   if (!reading.taut) {
@@ -82,7 +82,7 @@ HoldPlan HoldController::plan(const HoldInput& input, HoldReason reason, double 
   for (PidState& axis : held.memory.axes) axis = at_rest(axis);
   if (held.reason != HoldReason::none) return held;
   HoldConfig config = config_;
-  config.limits = limits_at(*input.tether);
+  config.limits = take_limits(*input.tether);
   const HoldPlan plan = config.mode == HoldMode::paper
                             ? plan_as_in_paper(config, input, memory_, dt_s)
                             : plan_recommended(config, input, memory_, own_, dt_s);

@@ -26,7 +26,7 @@ class HoldController {
  private:
   [[nodiscard]] double advance(Timestamp now);
   [[nodiscard]] HoldPlan plan(const HoldInput& input, HoldReason reason, double dt_s);
-  [[nodiscard]] VehicleLimits limits_at(const TetherReading& reading);
+  [[nodiscard]] VehicleLimits take_limits(const TetherReading& reading);
   [[nodiscard]] bool keeps_by_commands() const;
 
   HoldConfig config_;
