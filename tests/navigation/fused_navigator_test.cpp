@@ -260,14 +260,18 @@ TEST(FusedNavigator, KnowsTheSpeedOverFlatGroundAsWellAsTheFlow) {
   EXPECT_LT(fused, 1.1 * by_flow);
 }
 
-// No height at the start, but a range finder: the flight is known as if there had been one.
-TEST(FusedNavigator, KnowsMetresByARangeFinder) {
-  const test::RenderedFlight& flight = test::rendered_flight();
+Navigator told_no_height(const test::RenderedFlight& flight) {
   InitialState start = flight.start();
   start.world_from_body.translation.z() = 1;
   start.scale = ScaleSource::none;
-  Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, start,
-                      {.policy = Policy::fused});
+  return {
+      flight.record.camera, flight.record.body_from_camera, {}, start, {.policy = Policy::fused}};
+}
+
+// No height at the start, but a range finder: the flight is known as if there had been one.
+TEST(FusedNavigator, KnowsMetresByARangeFinder) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  Navigator navigator = told_no_height(flight);
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     const RigidTransform& truth = flight.truth(i);
     SensorReadings readings;
@@ -287,11 +291,7 @@ TEST(FusedNavigator, KnowsMetresByARangeFinder) {
 // The flow's unit is another from its first reading on; what it saw before is to stay where it was.
 TEST(FusedNavigator, BelievesFlatGroundAlsoWhereTheFirstHeightIsLate) {
   const test::RenderedFlight& flight = test::rendered_flight();
-  InitialState start = flight.start();
-  start.world_from_body.translation.z() = 1;
-  start.scale = ScaleSource::none;
-  Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, start,
-                      {.policy = Policy::fused});
+  Navigator navigator = told_no_height(flight);
   constexpr std::size_t kFirstReading = 10;
   constexpr std::size_t kSettled = 30;
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
