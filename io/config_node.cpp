@@ -61,8 +61,7 @@ class Converter {
 };
 
 // A line that begins with three dashes after anything but comments and directives, or anything
-// after a line of three dots. (YAML::LoadAll does not come
-// back from some texts that are no YAML.)
+// after a line of three dots. (YAML::LoadAll does not come back from some texts that are no YAML.)
 bool has_second_document(std::string_view text) {
   bool has_content = false;
   while (!text.empty()) {
