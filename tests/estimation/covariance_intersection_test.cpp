@@ -9,19 +9,19 @@
 namespace stillkite {
 namespace {
 
-const Eigen::Matrix3d kLong = Eigen::Vector3d(9, 1, 1).asDiagonal();
-const Eigen::Matrix3d kHigh = Eigen::Vector3d(1, 1, 9).asDiagonal();
+const Eigen::Matrix3d kVagueX = Eigen::Vector3d(9, 1, 1).asDiagonal();
+const Eigen::Matrix3d kVagueZ = Eigen::Vector3d(1, 1, 9).asDiagonal();
 
 // What is said twice is no better known.
 TEST(CovarianceIntersection, OfAnEstimateWithItselfIsThatEstimate) {
-  const VectorEstimate one{{1, 2, 3}, kLong};
+  const VectorEstimate one{{1, 2, 3}, kVagueX};
   const VectorEstimate both = covariance_intersection(one, one);
   EXPECT_TRUE(both.mean.isApprox(one.mean, 1e-12));
   EXPECT_TRUE(both.covariance.isApprox(one.covariance, 1e-12));
 }
 
 TEST(CovarianceIntersection, TakesOfEachWhatItKnowsBest) {
-  const VectorEstimate both = covariance_intersection({{0, 0, 0}, kLong}, {{1, 0, 1}, kHigh});
+  const VectorEstimate both = covariance_intersection({{0, 0, 0}, kVagueX}, {{1, 0, 1}, kVagueZ});
   EXPECT_NEAR(both.mean.x(), 0.9, 1e-12);
   EXPECT_NEAR(both.mean.z(), 0.1, 1e-12);
   EXPECT_NEAR(both.covariance(0, 0), 1.8, 1e-12);
@@ -29,8 +29,8 @@ TEST(CovarianceIntersection, TakesOfEachWhatItKnowsBest) {
 }
 
 TEST(CovarianceIntersection, HardlyHeedsWhatKnowsNothing) {
-  const VectorEstimate known{{1, 2, 3}, kLong};
-  const VectorEstimate vague{{50, 50, 50}, 1e8 * kHigh};
+  const VectorEstimate known{{1, 2, 3}, kVagueX};
+  const VectorEstimate vague{{50, 50, 50}, 1e8 * kVagueZ};
   const VectorEstimate both = covariance_intersection(known, vague);
   EXPECT_TRUE(both.mean.isApprox(known.mean, 1e-4));
   EXPECT_TRUE(both.covariance.isApprox(known.covariance, 1e-4));
@@ -43,16 +43,16 @@ TEST(CovarianceIntersection, IsNeverTooSure) {
   const auto draw = [&] {
     return Eigen::Vector3d(normal(generator), normal(generator), normal(generator));
   };
-  const Eigen::Matrix3d of_a = kLong.llt().matrixL();
-  const Eigen::Matrix3d of_b = kHigh.llt().matrixL();
+  const Eigen::Matrix3d of_a = kVagueX.llt().matrixL();
+  const Eigen::Matrix3d of_b = kVagueZ.llt().matrixL();
   for (const double share : {0.0, 0.5, 1.0}) {
     constexpr int kDraws = 20000;
     double nees = 0;
     for (int i = 0; i < kDraws; ++i) {
       const Eigen::Vector3d alike = std::sqrt(share) * draw();
       const double own = std::sqrt(1 - share);
-      const VectorEstimate both = covariance_intersection({of_a * (alike + own * draw()), kLong},
-                                                          {of_b * (alike + own * draw()), kHigh});
+      const VectorEstimate both = covariance_intersection({of_a * (alike + own * draw()), kVagueX},
+                                                          {of_b * (alike + own * draw()), kVagueZ});
       nees += both.mean.dot(both.covariance.llt().solve(both.mean)) / kDraws;
     }
     EXPECT_LT(nees, 3.1) << share;
