@@ -15,19 +15,14 @@ Timestamp stamp_of_hover_step(std::int64_t step) {
   return from_seconds(static_cast<double>(step) / kHoverStepsPerSecond);
 }
 
-StationPathConfig moved_along(PaperAxis axis, StationPathConfig path) {
-  path.axis = axis;
-  return path;
-}
-
 }  // namespace
 
 double trial_duration_s(const HoverConfig& config, const Trial& trial) {
-  return station_duration_s(moved_along(trial.axis, config.plant.station));
+  return StationPath(config.plant.station, trial.axis).duration_s();
 }
 
 HoverPlant::HoverPlant(const HoverConfig& config, const Trial& trial)
-    : path_(moved_along(trial.axis, config.plant.station)),
+    : path_(config.plant.station, trial.axis),
       sea_(config.plant.sea),
       waves_(sea_ ? make_waves(*sea_, hover_random(trial.seed, HoverStream::trial_sea).bits())
                   : std::vector<RegularWave>{}),
@@ -35,10 +30,9 @@ HoverPlant::HoverPlant(const HoverConfig& config, const Trial& trial)
       wind_(config.plant.wind, hover_random(trial.seed, HoverStream::trial_wind).bits()),
       drone_(config.plant.drone, camera_raised_forward(config.plant.camera.forward_tilt_deg),
              station(0), 0),
-      last_step_(
-          static_cast<std::int64_t>(std::ceil(station_duration_s(path_) * kHoverStepsPerSecond))) {
+      last_step_(static_cast<std::int64_t>(std::ceil(path_.duration_s() * kHoverStepsPerSecond))) {
   if (config.plant.yaw_kicks) {
-    kicks_ = make_yaw_kicks(*config.plant.yaw_kicks, station_duration_s(path_),
+    kicks_ = make_yaw_kicks(*config.plant.yaw_kicks, path_.duration_s(),
                             hover_random(trial.seed, HoverStream::trial_kicks).bits());
   }
 }
@@ -48,7 +42,7 @@ Timestamp HoverPlant::now() const {
 }
 
 StationState HoverPlant::station(double t_s) const {
-  const StationState ashore = station_at(path_, t_s);
+  const StationState ashore = path_.at(t_s);
   return sea_ ? afloat(ashore, *sea_, waves_, t_s) : ashore;
 }
 

@@ -43,7 +43,7 @@ class HoverPlant {
  private:
   [[nodiscard]] StationState station(double t_s) const;
 
-  StationPathConfig path_;
+  StationPath path_;
   std::optional<SeaConfig> sea_;
   std::vector<RegularWave> waves_;
   std::optional<FaultConfig> fault_;

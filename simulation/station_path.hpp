@@ -22,10 +22,8 @@ struct EnumNames<PaperAxis> {
 /// Unit vector of the paper's axis in our world (z up): x, z and -y, so that both are right-handed.
 [[nodiscard]] Eigen::Vector3d paper_axis_in_world(PaperAxis axis);
 
-/// The way of the ground station in a trial (hold paper, section V): out, back through the start,
-/// as far the other way, and back to the start.
+/// Of the ground station's way in a trial.
 struct StationPathConfig {
-  PaperAxis axis = PaperAxis::x;
   double level_reach_m = 2;
   double upright_reach_m = 0.87;  // the paper gives none: this one fits Table I's 43 cm
   double speed_m_s = 0.2;
@@ -33,7 +31,6 @@ struct StationPathConfig {
   double height_m = 1;
 
   static void fields(auto& self, auto&& field) {
-    field("axis", self.axis, "moved axis by the paper's name: x and z are level, y is up");
     field("level_reach_m", self.level_reach_m, kPositive, "way out from the start along x or z");
     field("upright_reach_m", self.upright_reach_m, kPositive, "way out from the start along y");
     field("speed_m_s", self.speed_m_s, kPositive, "between the turns");
@@ -47,10 +44,39 @@ struct StationState {
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
 };
 
-/// Over the world's origin at time 0 and before, and again from the end on. The station's x points
-/// along the moved axis (along the world's x where that is up).
-[[nodiscard]] StationState station_at(const StationPathConfig& config, double t_s);
+/// The way of the ground station in a trial (hold paper, section V): out along an axis, back
+/// through the start, as far the other way, and back to the start.
+class StationPath {
+ public:
+  StationPath(const StationPathConfig& config, PaperAxis moved);
 
-[[nodiscard]] double station_duration_s(const StationPathConfig& config);
+  /// Over the world's origin at time 0 and before, and again from the end on. The station's x
+  /// points along the moved axis (along the world's x where that is up).
+  [[nodiscard]] StationState at(double t_s) const;
+
+  [[nodiscard]] double duration_s() const;
+
+ private:
+  // From rest to rest: up to speed, steady, down to rest.
+  struct Leg {
+    double way_m = 0;  // signed
+    double ramp_s = 0;
+    double steady_s = 0;
+
+    [[nodiscard]] double duration_s() const { return 2 * ramp_s + steady_s; }
+  };
+  struct PlaceOnLine {
+    double position_m = 0;
+    double velocity_m_s = 0;
+  };
+
+  [[nodiscard]] Leg leg_over(double way_m) const;
+  [[nodiscard]] PlaceOnLine place_on(const Leg& leg, double t_s) const;
+  [[nodiscard]] PlaceOnLine place_at(double t_s) const;
+
+  StationPathConfig config_;
+  PaperAxis moved_;
+  std::array<Leg, 3> legs_;
+};
 
 }  // namespace stillkite

@@ -84,8 +84,8 @@ TEST(HoverSensors, HaveTheNoiseAndTheDriftTheyAreSaidToHave) {
 
 // Dead reckoning on exact readings arrives where the drone is, whatever happens between two.
 TEST(HoverSensors, IntegrateToTheDronesMotion) {
-  const StationPathConfig path{.axis = PaperAxis::z};
-  TetheredDrone drone({}, camera_raised_forward(75), station_at(path, 0), 0.2);
+  const StationPath path({}, PaperAxis::z);
+  TetheredDrone drone({}, camera_raised_forward(75), path.at(0), 0.2);
   HoverSensors sensors(exact_sensors(), 1);
   (void)sensors.read(drone.truth(), step_stamp(0));
   Eigen::Vector3d position = drone.truth().world_from_body.translation;
@@ -95,12 +95,12 @@ TEST(HoverSensors, IntegrateToTheDronesMotion) {
   for (int k = 1; k <= 2400; ++k) {
     const TetherCommand command{0.1 * std::sin(0.01 * k), -0.05, 0.08, 0.3 * std::cos(0.02 * k)};
     Disturbance disturbance{.wind_in_world_m_s = {3 * std::sin(0.003 * k), 1, 0}};
-    drone.step(command, disturbance, station_at(path, 0.005 * k - 0.003), 0.002);
+    drone.step(command, disturbance, path.at(0.005 * k - 0.003), 0.002);
     disturbance.yaw_kick_rad = k % 500 == 0 ? 20 * kDegree : 0;
     ASSERT_TRUE(sensors.read(drone.truth(), {step_stamp(k).ns - 3'000'000}).attitude.empty());
-    drone.step(command, disturbance, station_at(path, 0.005 * k - 0.001), 0.002);
+    drone.step(command, disturbance, path.at(0.005 * k - 0.001), 0.002);
     disturbance.yaw_kick_rad = 0;
-    drone.step(command, disturbance, station_at(path, 0.005 * k), 0.001);
+    drone.step(command, disturbance, path.at(0.005 * k), 0.001);
     const HoverReadings now = sensors.read(drone.truth(), step_stamp(k));
     const AttitudeReading& imu = now.attitude.front();
     const Eigen::Quaterniond half_way = attitude.slerp(0.5, imu.world_from_body);

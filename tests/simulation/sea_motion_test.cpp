@@ -113,9 +113,9 @@ TEST(SeaMotion, ABoatAveragesTheWavesOverItsWaterplane) {
 }
 
 TEST(SeaMotion, TheStationsVelocityIsTheDerivativeOfItsPlace) {
-  const StationPathConfig path{.axis = PaperAxis::z, .speed_m_s = 0.7};
+  const StationPath path({.speed_m_s = 0.7}, PaperAxis::z);
   const std::vector<RegularWave> waves = make_waves(kRoughSea, 6);
-  const auto at = [&](double t_s) { return afloat(station_at(path, t_s), kRoughSea, waves, t_s); };
+  const auto at = [&](double t_s) { return afloat(path.at(t_s), kRoughSea, waves, t_s); };
   for (const double t_s : {0.5, 2.0, 4.2, 6.0, 9.0, 20.0}) {
     const Eigen::Vector3d by_difference = (at(t_s + 1e-4).world_from_station.translation -
                                            at(t_s - 1e-4).world_from_station.translation) /
@@ -126,7 +126,7 @@ TEST(SeaMotion, TheStationsVelocityIsTheDerivativeOfItsPlace) {
 
 TEST(SeaMotion, TheBoatStartsUprightAndAtRestKeepsItsHeadingAndDrifts) {
   const std::vector<RegularWave> waves = make_waves(kRoughSea, 7);
-  const StationState ashore = station_at({.axis = PaperAxis::z}, 0);
+  const StationState ashore = StationPath({}, PaperAxis::z).at(0);
   const StationState start = afloat(ashore, kRoughSea, waves, 0);
   EXPECT_EQ(start.world_from_station.translation, ashore.world_from_station.translation);
   EXPECT_LT(

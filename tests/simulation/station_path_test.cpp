@@ -14,14 +14,14 @@ struct Displacement {
 };
 
 // Along the moved axis, sampled evenly over the whole way.
-Displacement displacement_of(const StationPathConfig& config) {
-  const Eigen::Vector3d axis = paper_axis_in_world(config.axis);
-  const Eigen::Vector3d start = station_at(config, 0).world_from_station.translation;
+Displacement displacement_of(const StationPath& path, PaperAxis moved) {
+  const Eigen::Vector3d axis = paper_axis_in_world(moved);
+  const Eigen::Vector3d start = path.at(0).world_from_station.translation;
   constexpr int kSamples = 20000;
   double sum = 0, sum_of_sizes = 0, sum_of_squares = 0;
   for (int k = 0; k < kSamples; ++k) {
-    const double t_s = (k + 0.5) / kSamples * station_duration_s(config);
-    const double d = axis.dot(station_at(config, t_s).world_from_station.translation - start);
+    const double t_s = (k + 0.5) / kSamples * path.duration_s();
+    const double d = axis.dot(path.at(t_s).world_from_station.translation - start);
     sum += d;
     sum_of_sizes += std::abs(d);
     sum_of_squares += d * d;
@@ -32,10 +32,10 @@ Displacement displacement_of(const StationPathConfig& config) {
 
 // 2 m with ramps of 1 s (0.1 m each) take 11 s, 4 m take 21 s.
 TEST(StationPath, PassesItsTurnsWhenItShould) {
-  const StationPathConfig config{.axis = PaperAxis::x, .height_m = 0.7};
-  EXPECT_NEAR(station_duration_s(config), 43, 1e-12);
+  const StationPath path({.height_m = 0.7}, PaperAxis::x);
+  EXPECT_NEAR(path.duration_s(), 43, 1e-12);
   const auto x_at = [&](double t_s) {
-    const StationState state = station_at(config, t_s);
+    const StationState state = path.at(t_s);
     EXPECT_EQ(state.world_from_station.translation.y(), 0);
     EXPECT_EQ(state.world_from_station.translation.z(), 0.7);
     return state.world_from_station.translation.x();
@@ -52,12 +52,12 @@ TEST(StationPath, PassesItsTurnsWhenItShould) {
 
 TEST(StationPath, NeverPassesItsSpeedAndAccelerationAndItsVelocityIsTheDerivative) {
   for (const PaperAxis axis : {PaperAxis::x, PaperAxis::y, PaperAxis::z}) {
-    const StationPathConfig config{.axis = axis, .upright_reach_m = 0.15};
+    const StationPath path({.upright_reach_m = 0.15}, axis);
     constexpr double kStep_s = 1e-3;
-    for (double t_s = 0.0105; t_s < station_duration_s(config) + 1; t_s += 0.013) {
-      const StationState before = station_at(config, t_s - kStep_s);
-      const StationState after = station_at(config, t_s + kStep_s);
-      const Eigen::Vector3d velocity = station_at(config, t_s).velocity_in_world_m_s;
+    for (double t_s = 0.0105; t_s < path.duration_s() + 1; t_s += 0.013) {
+      const StationState before = path.at(t_s - kStep_s);
+      const StationState after = path.at(t_s + kStep_s);
+      const Eigen::Vector3d velocity = path.at(t_s).velocity_in_world_m_s;
       const Eigen::Vector3d by_difference =
           (after.world_from_station.translation - before.world_from_station.translation) /
           (2 * kStep_s);
@@ -72,7 +72,7 @@ TEST(StationPath, NeverPassesItsSpeedAndAccelerationAndItsVelocityIsTheDerivativ
 
 TEST(StationPath, HeadsAlongItsLevelAxis) {
   for (const PaperAxis axis : {PaperAxis::x, PaperAxis::z}) {
-    const StationState station = station_at({.axis = axis}, 3);
+    const StationState station = StationPath({}, axis).at(3);
     const Eigen::Vector3d ahead = station.world_from_station.rotation * Eigen::Vector3d::UnitX();
     EXPECT_LT((ahead - paper_axis_in_world(axis)).norm(), 1e-12);
     EXPECT_NEAR(station.velocity_in_world_m_s.dot(ahead), 0.2, 1e-12);
@@ -94,16 +94,16 @@ TEST(StationPath, HasTheStatisticsOfTheOffTrials) {
   for (const OffColumn& paper :
        {OffColumn{PaperAxis::x, 1.06, 1.22}, OffColumn{PaperAxis::y, 0.43, 0.52},
         OffColumn{PaperAxis::z, 1.08, 1.19}}) {
-    const StationPathConfig config{.axis = paper.axis};
-    const Displacement ours = displacement_of(config);
+    const StationPath path({}, paper.axis);
+    const Displacement ours = displacement_of(path, paper.axis);
     EXPECT_NEAR(ours.mean_m, paper.mean_m, 0.1 * paper.mean_m);
     EXPECT_NEAR(ours.deviation_m, paper.deviation_m, 0.1 * paper.deviation_m);
     const std::string axis(name_of(paper.axis));
     RecordProperty(axis + "_mean_m", std::to_string(ours.mean_m));
     RecordProperty(axis + "_std_m", std::to_string(ours.deviation_m));
-    weighted_mean += ours.mean_m * station_duration_s(config);
-    weighted_square += ours.deviation_m * ours.deviation_m * station_duration_s(config);
-    duration_s += station_duration_s(config);
+    weighted_mean += ours.mean_m * path.duration_s();
+    weighted_square += ours.deviation_m * ours.deviation_m * path.duration_s();
+    duration_s += path.duration_s();
   }
   EXPECT_NEAR(weighted_mean / duration_s, 0.98, 0.098);
   EXPECT_NEAR(std::sqrt(weighted_square / duration_s), 1.18, 0.118);
@@ -113,7 +113,8 @@ TEST(StationPath, HasTheStatisticsOfTheOffTrials) {
 
 // Turns at infinite acceleration leave the triangle of level reach: mean 1, deviation 2 / sqrt(3).
 TEST(StationPath, IsATriangleWhereTurnsTakeNoTime) {
-  const Displacement ours = displacement_of({.acceleration_m_s2 = 1e6});
+  const Displacement ours =
+      displacement_of(StationPath({.acceleration_m_s2 = 1e6}, PaperAxis::x), PaperAxis::x);
   EXPECT_NEAR(ours.mean_m, 1, 1e-4);
   EXPECT_NEAR(ours.deviation_m, 2 / std::sqrt(3), 1e-4);
 }

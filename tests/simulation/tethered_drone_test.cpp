@@ -40,10 +40,10 @@ TEST(TetheredDrone, StartsOverItsStationAndStaysThere) {
 
 TEST(TetheredDrone, FollowsItsStationThroughATrialExactly) {
   for (const PaperAxis axis : {PaperAxis::x, PaperAxis::y, PaperAxis::z}) {
-    const StationPathConfig path{.axis = axis};
-    TetheredDrone drone = drone_over(station_at(path, 0));
-    for (int k = 1; k * kPlantStep_s < station_duration_s(path); ++k) {
-      const StationState station = station_at(path, k * kPlantStep_s);
+    const StationPath path({}, axis);
+    TetheredDrone drone = drone_over(path.at(0));
+    for (int k = 1; k * kPlantStep_s < path.duration_s(); ++k) {
+      const StationState station = path.at(k * kPlantStep_s);
       drone.step({}, {}, station, kPlantStep_s);
       const Eigen::Vector3d above =
           drone.truth().world_from_body.translation - station.world_from_station.translation;
