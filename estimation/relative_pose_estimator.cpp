@@ -144,14 +144,14 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3
       distances);
   // of what stands behind the plane, as over the horizon, nothing need be in front of it
   const BearingColumns on_plane = inlier_columns(problem, distances(fit.pose));
-  const std::optional<PlaneView> view =
+  const std::optional<PlaneMotion> view =
       resolve_plane(decompose_homography(fit.pose), on_plane, problem.hints, problem.config);
   RelativePoseEstimate estimate =
       with_inliers(problem, view ? ViewModel::plane : ViewModel::undecided, distances(fit.pose),
                    kSigmaOfMedianLength);
   estimate.epipolar = epipolar;
   if (!view) return estimate;
-  estimate.pose = {view->current_from_reference, view->translation.normalized()};
+  estimate.pose = {view->rotation, view->translation.normalized()};
   estimate.covariance = plane_covariance(problem.columns, *view, fit.cutoff);
   return estimate;
 }
@@ -162,7 +162,7 @@ RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3
 EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit,
                           const Eigen::Matrix3d& plane, const BearingColumns& inliers) {
   constexpr double kFarWorse = 3;
-  const std::array<PlaneView, 2> views = decompose_homography(plane);
+  const std::array<PlaneMotion, 2> views = decompose_homography(plane);
   const std::optional<std::size_t> known =
       view_over_ground(views, inliers, problem.hints, problem.config);
   EssentialFit best = fit;
@@ -170,8 +170,7 @@ EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit,
   for (std::size_t k = 0; k < views.size(); ++k) {
     if (!(views[k].translation.norm() > 0)) continue;
     const EssentialFit other = optimise_start(
-        problem.columns, {views[k].current_from_reference, views[k].translation.normalized()},
-        problem.threshold);
+        problem.columns, {views[k].rotation, views[k].translation.normalized()}, problem.threshold);
     if (other.cost < best.cost) best = other;
     if (known == k) of_known = other;
   }

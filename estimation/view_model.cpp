@@ -31,12 +31,12 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }
 
 struct FacingView {
-  PlaneView view;
+  PlaneMotion view;
   double part_ahead = 0;  // of the pairs, in front of the plane's camera
 };
 
 // Towards the plane from the reference camera, as most pairs see it.
-FacingView facing_pairs(PlaneView view, const BearingColumns& inliers) {
+FacingView facing_pairs(PlaneMotion view, const BearingColumns& inliers) {
   int ahead = 0;
   const auto count = static_cast<int>(inliers.size());
   for (std::size_t i = 0; i < inliers.size(); ++i) {
@@ -58,7 +58,7 @@ std::optional<std::size_t> clearly_smaller(double first, double second, double m
 }
 
 using Choice = std::optional<std::size_t>;
-using TwoViews = std::array<PlaneView, 2>;
+using TwoViews = std::array<PlaneMotion, 2>;
 
 std::array<double, 2> of_both(const TwoViews& views, const auto& measure) {
   return {measure(views[0]), measure(views[1])};
@@ -66,8 +66,8 @@ std::array<double, 2> of_both(const TwoViews& views, const auto& measure) {
 
 Choice by_vertical(const TwoViews& views, const RelativePoseHints& hints, double sigma_deg) {
   if (!hints.up_in_reference || !hints.up_in_current) return std::nullopt;
-  const auto [a, b] = of_both(views, [&](const PlaneView& view) {
-    return angle_deg(view.current_from_reference * *hints.up_in_reference, *hints.up_in_current);
+  const auto [a, b] = of_both(views, [&](const PlaneMotion& view) {
+    return angle_deg(view.rotation * *hints.up_in_reference, *hints.up_in_current);
   });
   return clearly_smaller(a, b, 3 * sigma_deg);
 }
@@ -75,7 +75,7 @@ Choice by_vertical(const TwoViews& views, const RelativePoseHints& hints, double
 Choice by_level(const TwoViews& views, const RelativePoseHints& hints) {
   constexpr double kLevel_deg = 10;
   if (!hints.up_in_reference) return std::nullopt;
-  const auto [a, b] = of_both(views, [&](const PlaneView& view) {
+  const auto [a, b] = of_both(views, [&](const PlaneMotion& view) {
     const double angle = angle_deg(view.normal, *hints.up_in_reference);
     return std::min(angle, 180 - angle);
   });
@@ -87,12 +87,11 @@ Choice by_prior(const TwoViews& views, const RelativePoseHints& hints) {
   constexpr double kRotation_deg = 2.5;
   constexpr double kDirection_deg = 25;
   if (!hints.prior) return std::nullopt;
-  const auto [a, b] = of_both(views, [&](const PlaneView& view) {
-    return angle_between_rad(view.current_from_reference, hints.prior->current_from_reference) /
-           kDegree;
+  const auto [a, b] = of_both(views, [&](const PlaneMotion& view) {
+    return angle_between_rad(view.rotation, hints.prior->current_from_reference) / kDegree;
   });
   if (const Choice k = clearly_smaller(a, b, kRotation_deg)) return k;
-  const auto [c, d] = of_both(views, [&](const PlaneView& view) {
+  const auto [c, d] = of_both(views, [&](const PlaneMotion& view) {
     return angle_deg(view.translation, hints.prior->direction);
   });
   if (std::min(c, d) >= kDirection_deg) return std::nullopt;
@@ -139,19 +138,17 @@ ViewModel simplest_model(const ModelEvidence& e) {
   return stands(e.plane) ? ViewModel::plane : ViewModel::general;
 }
 
-std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
-                                       const BearingColumns& on_plane,
-                                       const RelativePoseHints& hints,
-                                       const RelativePoseConfig& config) {
+std::optional<PlaneMotion> resolve_plane(const std::array<PlaneMotion, 2>& views,
+                                         const BearingColumns& on_plane,
+                                         const RelativePoseHints& hints,
+                                         const RelativePoseConfig& config) {
   constexpr double kMostAhead = 0.9;
   const FacingView a = facing_pairs(views[0], on_plane), b = facing_pairs(views[1], on_plane);
   const TwoViews turned{a.view, b.view};
   const bool first = a.part_ahead > kMostAhead, second = b.part_ahead > kMostAhead;
   if (first != second) return turned[first ? 0 : 1];
   if (!first) return std::nullopt;
-  const double turn_deg =
-      angle_between_rad(turned[0].current_from_reference, turned[1].current_from_reference) /
-      kDegree;
+  const double turn_deg = angle_between_rad(turned[0].rotation, turned[1].rotation) / kDegree;
   // along the normal both are the same motion, which noise splits
   if (turn_deg < 0.1 && angle_deg(turned[0].translation, turned[1].translation) < 5) {
     return turned[0];
@@ -161,7 +158,7 @@ std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
   return k ? std::optional(turned[*k]) : std::nullopt;
 }
 
-std::optional<std::size_t> view_over_ground(const std::array<PlaneView, 2>& views,
+std::optional<std::size_t> view_over_ground(const std::array<PlaneMotion, 2>& views,
                                             const BearingColumns& inliers,
                                             const RelativePoseHints& hints,
                                             const RelativePoseConfig& config) {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "estimation/epipolar_error.hpp"
-#include "estimation/plane_view.hpp"
+#include "estimation/homography.hpp"
 #include "estimation/relative_pose_config.hpp"
 
 namespace stillkite {
@@ -31,14 +31,14 @@ struct ModelEvidence {
 /// ground and the prior together outvote the vertical. Nothing where none tells them apart, or
 /// neither has the pairs in front.
 /// `on_plane`: the pairs that the homography explains; others may well lie behind the plane.
-[[nodiscard]] std::optional<PlaneView> resolve_plane(const std::array<PlaneView, 2>& views,
-                                                     const BearingColumns& on_plane,
-                                                     const RelativePoseHints& hints,
-                                                     const RelativePoseConfig& config);
+[[nodiscard]] std::optional<PlaneMotion> resolve_plane(const std::array<PlaneMotion, 2>& views,
+                                                       const BearingColumns& on_plane,
+                                                       const RelativePoseHints& hints,
+                                                       const RelativePoseConfig& config);
 
 /// Which of the two keeps the vertical, or has its plane level: as above, without what the pairs in
 /// front and the prior alone would say.
-[[nodiscard]] std::optional<std::size_t> view_over_ground(const std::array<PlaneView, 2>& views,
+[[nodiscard]] std::optional<std::size_t> view_over_ground(const std::array<PlaneMotion, 2>& views,
                                                           const BearingColumns& inliers,
                                                           const RelativePoseHints& hints,
                                                           const RelativePoseConfig& config);

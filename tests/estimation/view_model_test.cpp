@@ -59,13 +59,13 @@ TEST(ViewModelTest, a_plain_wrong_prior_changes_nothing) {
   }
 }
 
-TEST(PlaneView, a_homography_has_the_two_views_that_made_it) {
+TEST(Homography, a_homography_has_the_two_views_that_made_it) {
   for (std::uint32_t seed = 1; seed <= 50; ++seed) {
     const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 1}, seed);
-    const PlaneView truth{views.truth.current_from_reference, 0.3 * views.truth.direction,
-                          views.normal};
+    const PlaneMotion truth{views.truth.current_from_reference, 0.3 * views.truth.direction,
+                            views.normal};
     double nearest = 1;
-    for (const PlaneView& view : decompose_homography(-2.5 * truth.homography())) {
+    for (const PlaneMotion& view : decompose_homography(-2.5 * truth.homography())) {
       EXPECT_LT((view.homography() - truth.homography()).norm(), 1e-12) << seed;
       EXPECT_NEAR(view.normal.norm(), 1, 1e-12);
       nearest = std::min(nearest, (view.translation - truth.translation).norm());
@@ -74,16 +74,16 @@ TEST(PlaneView, a_homography_has_the_two_views_that_made_it) {
   }
 }
 
-TEST(PlaneView, a_rotation_is_its_own_homography) {
+TEST(Homography, a_rotation_is_its_own_homography) {
   const Eigen::Quaterniond turn = so3_exp({0.1, -0.2, 0.3});
-  for (const PlaneView& view : decompose_homography(3 * turn.toRotationMatrix())) {
-    EXPECT_LT(angle_between_rad(view.current_from_reference, turn), 1e-7);
+  for (const PlaneMotion& view : decompose_homography(3 * turn.toRotationMatrix())) {
+    EXPECT_LT(angle_between_rad(view.rotation, turn), 1e-7);
     EXPECT_LT(view.translation.norm(), 1e-7);
   }
 }
 
 // Forward flight at a leaning plane: both views have all pairs in front.
-TEST(PlaneView, two_views_that_nothing_tells_apart_are_undecided) {
+TEST(PlaneViews, two_views_that_nothing_tells_apart_are_undecided) {
   int undecided = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 300}, seed);
@@ -105,19 +105,18 @@ TEST(PlaneView, two_views_that_nothing_tells_apart_are_undecided) {
 }
 
 // As the vertical is that an estimator carries on which something else in the picture pulls at.
-TEST(PlaneView, a_vertical_that_errs_does_not_outvote_level_ground_and_the_prior) {
+TEST(Homography, a_vertical_that_errs_does_not_outvote_level_ground_and_the_prior) {
   const TwoViewScene scene{.content = ViewModel::plane, .points = 300, .baseline = 0.3};
   int decided = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const TwoViews views = make_two_views(scene, seed);
-    const PlaneView truth{views.truth.current_from_reference,
-                          scene.baseline * views.truth.direction, views.normal};
-    for (const PlaneView& other : decompose_homography(truth.homography())) {
-      const double apart_rad =
-          angle_between_rad(other.current_from_reference, truth.current_from_reference);
+    const PlaneMotion truth{views.truth.current_from_reference,
+                            scene.baseline * views.truth.direction, views.normal};
+    for (const PlaneMotion& other : decompose_homography(truth.homography())) {
+      const double apart_rad = angle_between_rad(other.rotation, truth.rotation);
       if (apart_rad < 3 * kDegree) continue;  // the true view, or too near for the prior to tell
       RelativePoseHints hints = vertical_of(views);
-      hints.up_in_current = other.current_from_reference * *hints.up_in_reference;
+      hints.up_in_current = other.rotation * *hints.up_in_reference;
       hints.prior = views.truth;
       const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {}, hints);
       if (found.model != ViewModel::plane) continue;
@@ -130,7 +129,7 @@ TEST(PlaneView, a_vertical_that_errs_does_not_outvote_level_ground_and_the_prior
 
 // What neighbours share, as what a lens is off by, is taken for depth, and at times suits an
 // essential matrix near the plane's other pose better than the true one.
-TEST(PlaneView, level_ground_behind_a_lens_that_is_not_as_told_has_its_true_pose) {
+TEST(PlaneViews, level_ground_behind_a_lens_that_is_not_as_told_has_its_true_pose) {
   const TwoViewScene scene{
       .content = ViewModel::plane, .points = 300, .noise_px = 0.05, .patch_px = 0.6};
   int general = 0;
@@ -177,7 +176,7 @@ TwoViews make_ground_and_horizon(double pitch_rad, double way, std::uint32_t see
   return views;
 }
 
-TEST(PlaneView, what_stands_behind_level_ground_does_not_make_its_other_pose_the_true_one) {
+TEST(PlaneViews, what_stands_behind_level_ground_does_not_make_its_other_pose_the_true_one) {
   for (const double pitch_deg : {10, 15, 20}) {
     for (const double way : {0.05, 0.15}) {
       int undecided = 0;
@@ -194,7 +193,7 @@ TEST(PlaneView, what_stands_behind_level_ground_does_not_make_its_other_pose_the
   }
 }
 
-TEST(PlaneView, a_vertical_tells_the_poses_of_a_wall_apart) {
+TEST(Homography, a_vertical_tells_the_poses_of_a_wall_apart) {
   int decided = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 300}, seed);

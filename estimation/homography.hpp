@@ -1,31 +1,19 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <array>
 
 #include "estimation/epipolar_error.hpp"
+#include "estimation/plane_motion.hpp"
 #include "estimation/random_draws.hpp"
 
 namespace stillkite {
 
-/// Two views of a plane, b ~ (R + s n^T) a with s = t / h: translation over the distance of the
-/// plane n^T X = h from the reference camera.
-struct PlaneView {
-  Eigen::Quaterniond current_from_reference = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-
-  [[nodiscard]] Eigen::Matrix3d homography() const {
-    return current_from_reference.toRotationMatrix() + translation * normal.transpose();
-  }
-};
-
-/// The two views that share a homography, each with its normal such that n^T (0, 0, 1) > 0; equal
-/// where nothing but a rotation, or a translation along the normal, is seen. `any_scale`: H times
-/// any number but 0. Ma, Soatto, Kosecka and Sastry 2004, "An invitation to 3-D vision",
-/// theorem 5.19.
-[[nodiscard]] std::array<PlaneView, 2> decompose_homography(const Eigen::Matrix3d& any_scale);
+/// The two motions over a plane that share a homography, each with its normal such that n^T (0, 0,
+/// 1) > 0; equal where nothing but a rotation, or a translation along the normal, is seen.
+/// `any_scale`: H times any number but 0. Ma, Soatto, Kosecka and Sastry 2004, "An invitation to
+/// 3-D vision", theorem 5.19.
+[[nodiscard]] std::array<PlaneMotion, 2> decompose_homography(const Eigen::Matrix3d& any_scale);
 
 /// The homography that explains most pairs: RANSAC on four at a time, at most `draws`, then
 /// `refine_homography`. `threshold` on z = 1.
@@ -39,7 +27,7 @@ struct PlaneView {
 
 /// As RelativePoseEstimate has it, of the view of a refined homography: Huber's, as
 /// pose_covariance; zero where the pairs do not tell the view.
-[[nodiscard]] Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view,
+[[nodiscard]] Matrix6d plane_covariance(const BearingColumns& columns, const PlaneMotion& view,
                                         double cutoff);
 
 }  // namespace stillkite

@@ -1,4 +1,4 @@
-#include "estimation/plane_view.hpp"
+#include "estimation/homography.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -17,8 +17,8 @@ using Matrix8d = Eigen::Matrix<double, 8, 8>;
 using HomographyJacobian = Eigen::Matrix<double, 9, 8>;
 
 // d vec(H) / d(w, s, n): [w]x R, ds n^T, s (B u)^T.
-HomographyJacobian homography_jacobian(const PlaneView& view) {
-  const Eigen::Matrix3d R = view.current_from_reference.toRotationMatrix();
+HomographyJacobian homography_jacobian(const PlaneMotion& view) {
+  const Eigen::Matrix3d R = view.rotation.toRotationMatrix();
   const Eigen::Matrix<double, 3, 2> basis = tangent_basis(view.normal);
   HomographyJacobian J;
   for (int k = 0; k < 8; ++k) {
@@ -52,15 +52,15 @@ Eigen::Matrix3d homography_of(const BearingColumns& c, const std::array<std::siz
   return H;
 }
 
-PlaneView with_normal_ahead(const Eigen::Matrix3d& R, const Eigen::Matrix3d& H,
-                            const Eigen::Vector3d& normal) {
+PlaneMotion with_normal_ahead(const Eigen::Matrix3d& R, const Eigen::Matrix3d& H,
+                              const Eigen::Vector3d& normal) {
   const double sign = normal.z() < 0 ? -1 : 1;
   return {Eigen::Quaterniond(R).normalized(), sign * ((H - R) * normal), sign * normal};
 }
 
 }  // namespace
 
-std::array<PlaneView, 2> decompose_homography(const Eigen::Matrix3d& any_scale) {
+std::array<PlaneMotion, 2> decompose_homography(const Eigen::Matrix3d& any_scale) {
   // the middle singular value is 1, and points stay in front: det(R + s n^T) = 1 + n^T R^T s > 0
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> unscaled(any_scale.transpose() * any_scale);
   const double middle = std::sqrt(std::max(unscaled.eigenvalues()[1], 1e-300));
@@ -70,11 +70,11 @@ std::array<PlaneView, 2> decompose_homography(const Eigen::Matrix3d& any_scale) 
   const Eigen::Vector3d v1 = unscaled.eigenvectors().col(2), v2 = unscaled.eigenvectors().col(1);
   const Eigen::Vector3d v3 = v1.cross(v2);
   if (above + below < 1e-18) {
-    const PlaneView turn{Eigen::Quaterniond(H).normalized(), Eigen::Vector3d::Zero(),
-                         Eigen::Vector3d::UnitZ()};
+    const PlaneMotion turn{Eigen::Quaterniond(H).normalized(), Eigen::Vector3d::Zero(),
+                           Eigen::Vector3d::UnitZ()};
     return {turn, turn};
   }
-  std::array<PlaneView, 2> views;
+  std::array<PlaneMotion, 2> views;
   for (std::size_t k = 0; k < 2; ++k) {
     const double sign = k == 0 ? 1 : -1;
     const Eigen::Vector3d u =
@@ -124,7 +124,7 @@ Eigen::Matrix3d fit_homography(const BearingColumns& columns, double threshold, 
   return best;
 }
 
-Matrix6d plane_covariance(const BearingColumns& columns, const PlaneView& view, double cutoff) {
+Matrix6d plane_covariance(const BearingColumns& columns, const PlaneMotion& view, double cutoff) {
   const Eigen::Matrix3d H = view.homography();
   const TransferSums sums = transfer_sums(columns, H, cutoff);
   const double length = view.translation.norm();
