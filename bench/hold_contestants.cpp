@@ -46,7 +46,7 @@ void note(ContestantRow& row, const PilotStep& step, double cycle_ms, double wal
 
 }  // namespace
 
-double median(std::vector<double> values) {
+double median_of(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
@@ -67,7 +67,7 @@ void ContestantRow::judge(const MotionEstimate& motion, int found, const RigidTr
 
 double ContestantRow::median_ms(const std::string& stage) const {
   const auto found = ms.find(stage);
-  return found == ms.end() ? 0 : median(found->second);
+  return found == ms.end() ? 0 : median_of(found->second);
 }
 
 OpenCvContestant::OpenCvContestant(const std::string& name, int method)

@@ -22,7 +22,7 @@ struct HoverInstant {
 };
 
 /// 0 of none.
-[[nodiscard]] double median(std::vector<double> values);
+[[nodiscard]] double median_of(std::vector<double> values);
 
 /// One way to a command, with what was measured of it.
 struct ContestantRow {

@@ -110,8 +110,8 @@ void print_row(const ContestantRow& row, double opencv_ms) {
              row.median_ms("reference"), row.median_ms("pyramid"), row.median_ms("flow"),
              row.median_ms("solve"), row.median_ms("filter"), row.median_ms("control"), whole_ms,
              opencv_ms / whole_ms);
-  fmt::print("{:>10.4f}{:>10.3f}{:>7}{:>6}/{}\n", median(row.rotation_deg),
-             median(row.direction_deg), median(row.features), row.answers, row.frames);
+  fmt::print("{:>10.4f}{:>10.3f}{:>7}{:>6}/{}\n", median_of(row.rotation_deg),
+             median_of(row.direction_deg), median_of(row.features), row.answers, row.frames);
 }
 
 void print(const Contest& contest, const Costs& costs) {
@@ -138,11 +138,11 @@ void print(const Contest& contest, const Costs& costs) {
       cold_ms, opencv_ms / cold_ms, opencv_cold_ms / cold_ms);
   const std::vector<double>& start_ms = contest.fused.row().ms.at("start");
   fmt::print("the fusion's frames before those: {:.2f} ms, the longest {:.2f} ms\n",
-             median(start_ms), *std::max_element(start_ms.begin(), start_ms.end()));
-  const double view_ms = median(costs.render_ms) + median(costs.develop_ms);
+             median_of(start_ms), *std::max_element(start_ms.begin(), start_ms.end()));
+  const double view_ms = median_of(costs.render_ms) + median_of(costs.develop_ms);
   fmt::print(
       "a view: render {:.2f} + develop {:.2f} = {:.2f} ms, {:.2f} of the recommended cycle\n",
-      median(costs.render_ms), median(costs.develop_ms), view_ms,
+      median_of(costs.render_ms), median_of(costs.develop_ms), view_ms,
       view_ms / contest.recommended.row().median_ms("cycle"));
   fmt::print("made once: room {:.0f} ms, renderer {:.0f} ms\n", costs.room_ms, costs.renderer_ms);
 }

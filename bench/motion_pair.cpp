@@ -20,6 +20,7 @@
 #include "flow/dense_lucas_kanade.hpp"
 #include "flow/flow_window_sampler.hpp"
 #include "flow/opencv_flow.hpp"
+#include "geometry/median.hpp"
 
 namespace stillkite::bench {
 namespace {
@@ -123,12 +124,6 @@ struct Method {
   std::vector<double> flow_ms, total_ms;
   int failed = 0;
 };
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
-}
 
 std::vector<Method> make_methods(const Camera& camera, bool scene_a) {
   std::vector<Method> methods;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -35,12 +37,6 @@ std::vector<SeenDepth> seen_depths(const std::vector<BearingPair>& pairs,
   return seen;
 }
 
-double upper_median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // s / h, of the features that may lie on the ground.
 std::optional<double> way_over_height(const std::vector<SeenDepth>& seen) {
   std::vector<double> ratios;
@@ -49,7 +45,7 @@ std::optional<double> way_over_height(const std::vector<SeenDepth>& seen) {
     if (depth.flat > 1e-3) ratios.push_back(depth.shift / depth.flat);
   }
   if (ratios.size() < kFewestSeen) return std::nullopt;
-  return upper_median(std::move(ratios));
+  return upper_median(ratios);
 }
 
 // Without a point in front of the camera: as far as can be.
@@ -75,9 +71,9 @@ std::optional<double> ground_relief(const std::vector<BearingPair>& pairs,
     shifts.push_back(std::abs(depth.shift));
     unexplained.push_back(std::abs(depth.shift - way * depth.flat));
   }
-  const double shift = upper_median(std::move(shifts));
+  const double shift = upper_median(shifts);
   if (!(shift > kLeastParallax_sigmas * sigma)) return std::nullopt;
-  return upper_median(std::move(unexplained)) / shift;
+  return upper_median(unexplained) / shift;
 }
 
 std::optional<double> ground_misfit(const std::vector<BearingPair>& pairs,
@@ -97,9 +93,9 @@ std::optional<double> ground_misfit(const std::vector<BearingPair>& pairs,
     by_motion.push_back(
         miss(pair.current, turned_a + inverse_depth * current_from_reference.translation));
   }
-  const double shift = upper_median(std::move(by_rotation));
+  const double shift = upper_median(by_rotation);
   if (!(shift > kLeastParallax_sigmas * sigma)) return std::nullopt;
-  return upper_median(std::move(by_motion)) / shift;
+  return upper_median(by_motion) / shift;
 }
 
 }  // namespace stillkite

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "estimation/landmark_model.hpp"
+#include "geometry/median.hpp"
 
 namespace stillkite {
 
@@ -21,9 +22,7 @@ double usual_error(std::vector<double> squared) {
   constexpr double kMedian = 0.693;  // of chi-square with two degrees of freedom, for each
   constexpr double kLeast = 0.02;
   if (squared.empty()) return 0;
-  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
-  std::nth_element(squared.begin(), middle, squared.end());
-  return std::max(*middle / kMedian, kLeast);
+  return std::max(upper_median(squared) / kMedian, kLeast);
 }
 
 ViewErrors view_errors(const FusionState& state, const std::vector<Landmark>& landmarks,

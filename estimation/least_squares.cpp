@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 std::string name_direction(const Vector6d& scaled_direction) {
   constexpr std::array<const char*, 6> kNames{"v_x", "v_y", "v_z", "w_x", "w_y", "w_z"};
@@ -68,7 +70,7 @@ void EgoMotionSolver::measure_residuals(const FlowRows& rows, EgoMotion& motion)
     inliers += squared_px_.back() <= config_.inlier_px * config_.inlier_px ? 1 : 0;
   }
   motion.inlier_ratio = inliers / static_cast<double>(squared_px_.size());
-  motion.residual_px = std::sqrt(median(squared_px_)) / kRayleighMedian;
+  motion.residual_px = std::sqrt(upper_median(squared_px_)) / kRayleighMedian;
 }
 
 }  // namespace stillkite

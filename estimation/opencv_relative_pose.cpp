@@ -8,6 +8,7 @@
 
 #include "estimation/epipolar_error.hpp"
 #include "estimation/robust_kernel.hpp"
+#include "geometry/median.hpp"
 
 namespace stillkite {
 namespace {
@@ -96,7 +97,7 @@ RelativePoseEstimate estimate_relative_pose_opencv(std::span<const BearingPair> 
       ++estimate.inlier_count;
       errors.push_back(std::abs(sampson_error(essential, pairs[i])));
     }
-    estimate.residual = kSigmaOfMedian * median(errors);
+    estimate.residual = kSigmaOfMedian * upper_median(errors);
     estimate.model = ViewModel::general;
   } catch (const cv::Exception&) {
     // OpenCV asserts within on some degenerate samples: no answer for this frame

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -19,10 +21,7 @@ constexpr std::size_t kFewestWindows = 8;
 
 // 0 if there is nothing to take a median of.
 float median_of(std::vector<float>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? 0 : upper_median(values);
 }
 
 // Solves A x = b after scaling A to a unit diagonal, for metres and radians differ in size.

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 
 /// Standard deviation by the median of the distances below a threshold; 0 where there are none.
@@ -16,9 +18,7 @@ namespace stillkite {
     if (d < threshold) below.push_back(d);
   }
   if (below.empty()) return 0;
-  const auto middle = below.begin() + static_cast<std::ptrdiff_t>(below.size() / 2);
-  std::nth_element(below.begin(), middle, below.end());
-  return sigma_of_median * static_cast<double>(*middle);
+  return sigma_of_median * static_cast<double>(upper_median(below));
 }
 
 }  // namespace stillkite

@@ -57,11 +57,4 @@ struct RobustWeight {
 /// Median length of two standard normal components, sqrt(2 ln 2).
 inline constexpr double kRayleighMedian = 1.1774100225154747;
 
-/// The upper median; reorders the values, of which there is at least one.
-[[nodiscard]] inline double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace stillkite

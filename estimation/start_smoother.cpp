@@ -8,6 +8,7 @@
 
 #include "estimation/fusion_filter.hpp"
 #include "estimation/trimmed_mean.hpp"
+#include "geometry/median.hpp"
 
 namespace stillkite {
 namespace {
@@ -36,10 +37,8 @@ bool is_believed(const FusionFilter& filter, std::size_t frames) {
     inverse_depths.push_back(landmark.inverse_depth);
   }
   if (inverse_depths.empty()) return false;  // all given up meanwhile
-  const auto middle = inverse_depths.begin() + inverse_depths.size() / 2;
-  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
   const double turn_sigma = std::sqrt(filter.pose_covariance().bottomRightCorner<3, 3>().trace());
-  return turn_sigma < most * way * *middle;
+  return turn_sigma < most * way * upper_median(inverse_depths);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -103,7 +105,7 @@ double TwistFitter::scale_of_distances(const FlowRows& rows) {
   if (sample_.empty()) return 1;
   const auto n = static_cast<double>(sample_.size());
   const double free_share = std::max(0.5, 1 - 3 / n);  // six of 2 n components are fitted
-  const double squared = robust ? median(sample_) / (kRayleighMedian * kRayleighMedian)
+  const double squared = robust ? upper_median(sample_) / (kRayleighMedian * kRayleighMedian)
                                 : 0.5 * std::accumulate(sample_.begin(), sample_.end(), 0.0) / n;
   return std::max(std::sqrt(squared / free_share), kMinScale);
 }

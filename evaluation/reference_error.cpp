@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/angle.hpp"
+#include "geometry/median.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
@@ -20,9 +21,7 @@ struct ReferenceSamples {
 
 std::optional<double> median_of(std::vector<double> values) {
   if (values.empty()) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return median(std::move(values));
 }
 
 void add_direction(const MotionEstimate& motion, const Eigen::Vector3d& true_way_m,

@@ -5,15 +5,10 @@
 #include <cmath>
 #include <vector>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 std::optional<double> correlation(const Eigen::ArrayXd& a, const Eigen::ArrayXd& b) {
   const Eigen::ArrayXd da = a - a.mean();

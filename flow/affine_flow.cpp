@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -11,12 +13,6 @@ using Vector6f = Eigen::Matrix<float, 6, 1>;
 
 constexpr int kFewest = 8;
 constexpr float kSigmaOfMedian = 1.4826F;
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Eigen::Vector2f mean_of(const std::vector<Eigen::Vector2f>& values,
                         const std::vector<unsigned char>& used, int count) {
@@ -73,7 +69,7 @@ AffineFlow fit_affine_flow(const std::vector<Eigen::Vector2f>& points_px,
     x.push_back(displacements_px[i].x());
     y.push_back(displacements_px[i].y());
   }
-  flow.offset_px = {median(x), median(y)};
+  flow.offset_px = {upper_median(x), upper_median(y)};
   std::vector<float> weights(points_px.size());
   for (int round = 0; round <= kRounds; ++round) {
     deviations.clear();
@@ -82,7 +78,7 @@ AffineFlow fit_affine_flow(const std::vector<Eigen::Vector2f>& points_px,
         deviations.push_back((displacements_px[i] - flow.at(points_px[i])).norm());
       }
     }
-    flow.deviation_px = std::max(kFinest_px, kSigmaOfMedian * median(deviations));
+    flow.deviation_px = std::max(kFinest_px, kSigmaOfMedian * upper_median(deviations));
     if (round == kRounds) break;
     flow.inliers = 0;
     for (std::size_t i = 0; i < points_px.size(); ++i) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <opencv2/core/mat.hpp>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -322,9 +324,7 @@ void FeatureTracker::tell_covariances() {
     if (tracks_.found[i] != 0) noise_grey2_.push_back(noise_of(m, i));
   }
   if (noise_grey2_.empty()) return;
-  const auto middle = noise_grey2_.begin() + static_cast<std::ptrdiff_t>(noise_grey2_.size() / 2);
-  std::nth_element(noise_grey2_.begin(), middle, noise_grey2_.end());
-  const float least = *middle;
+  const float least = upper_median(noise_grey2_);
   constexpr float kExcessWeight = 6;
   for (std::size_t i = 0; i < tracks_.found.size(); ++i) {
     if (tracks_.found[i] == 0) continue;
