@@ -24,8 +24,8 @@ bool counts(const TrialRecord& record, std::optional<PaperAxis> axis) {
 }
 
 std::optional<double> mean_displacement_m(const TrialRecord& record) {
-  const auto found = displacement_statistics(displacements_m(record));
-  return found ? std::optional(found->mean_m) : std::nullopt;
+  const auto found = signed_statistics(displacements_m(record));
+  return found ? std::optional(found->mean) : std::nullopt;
 }
 
 std::vector<double> trial_means_m(const ComparedTrials& flown, std::optional<PaperAxis> axis) {

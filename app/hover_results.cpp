@@ -9,6 +9,7 @@
 
 #include "app/hover_estimates.hpp"
 #include "app/orientation_results.hpp"
+#include "app/trial_statistics_json.hpp"
 #include "evaluation/trial_statistics.hpp"
 #include "geometry/angle.hpp"
 
@@ -28,33 +29,6 @@ constexpr std::array<PaperRow, 4> kPaperTable{{{"on", "mean_m", {36, 26, 35, 34}
                                                {"off", "mean_m", {106, 43, 108, 98}},
                                                {"off", "std_m", {122, 52, 119, 118}}}};
 constexpr std::array<const char*, 4> kTableColumns{"x", "y", "z", "all"};
-
-json statistics_json(const std::vector<double>& values_m) {
-  const std::optional<DisplacementStatistics> found = displacement_statistics(values_m);
-  if (!found) return {{"mean_m", nullptr}, {"std_m", nullptr}, {"max_m", nullptr}};
-  return {{"mean_m", found->mean_m}, {"std_m", found->std_m}, {"max_m", found->max_m}};
-}
-
-// All samples of the flights with or without stabilization, along one axis or (nothing) along any.
-json pooled_json(std::span<const TrialRecord> records, bool stabilized,
-                 std::optional<PaperAxis> axis) {
-  std::vector<double> pooled;
-  for (const TrialRecord& record : records) {
-    if (record.trial.stabilized != stabilized || (axis && record.trial.axis != *axis)) continue;
-    const std::vector<double> values = displacements_m(record);
-    pooled.insert(pooled.end(), values.begin(), values.end());
-  }
-  return statistics_json(pooled);
-}
-
-json table_row(std::span<const TrialRecord> records, bool stabilized) {
-  json row;
-  for (const auto& [axis, name] : EnumNames<PaperAxis>::value) {
-    row[std::string(name)] = pooled_json(records, stabilized, axis);
-  }
-  row["all"] = pooled_json(records, stabilized, std::nullopt);
-  return row;
-}
 
 std::string policy_of(const Trial& trial, const std::string& policy) {
   return trial.stabilized ? policy : "none";
@@ -80,7 +54,7 @@ json hover_summary(std::span<const TrialRecord> records, const std::string& poli
   json trials = json::array();
   double flown_s = 0;
   for (const TrialRecord& record : records) {
-    json trial = statistics_json(displacements_m(record));
+    json trial = statistics_json(displacements_m(record), "m");
     trial["axis"] = name_of(record.trial.axis);
     trial["stabilization"] = record.trial.stabilized;
     trial["policy"] = policy_of(record.trial, policy);
@@ -89,7 +63,10 @@ json hover_summary(std::span<const TrialRecord> records, const std::string& poli
     trials.push_back(std::move(trial));
     if (!record.samples.empty()) flown_s += record.samples.back().t_s;
   }
-  return {{"table", {{"on", table_row(records, true)}, {"off", table_row(records, false)}}},
+  const auto table_row = [&](bool stabilized) {
+    return statistics_by_axis(records, stabilized, "m", displacements_m);
+  };
+  return {{"table", {{"on", table_row(true)}, {"off", table_row(false)}}},
           {"trials", std::move(trials)},
           {"estimate", hover_estimate_json(records)},
           {"orientation", orientation_summary(records)},
@@ -100,11 +77,11 @@ std::string trials_csv(std::span<const TrialRecord> records, const std::string& 
   std::string out = "#trial,axis,stabilization,policy,seed,samples,mean [m],std [m],max [m]\n";
   for (std::size_t i = 0; i < records.size(); ++i) {
     const Trial& trial = records[i].trial;
-    const auto found = displacement_statistics(displacements_m(records[i]));
+    const auto found = signed_statistics(displacements_m(records[i]));
     if (!found) continue;
     fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{:.6g},{:.6g},{:.6g}\n", i,
                    name_of(trial.axis), trial.stabilized ? "on" : "off", policy_of(trial, policy),
-                   trial.seed, found->samples, found->mean_m, found->std_m, found->max_m);
+                   trial.seed, found->samples, found->mean, found->deviation, found->max);
   }
   return out;
 }

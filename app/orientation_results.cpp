@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "evaluation/trial_statistics.hpp"
+#include "app/trial_statistics_json.hpp"
 #include "evaluation/yaw_settling.hpp"
 #include "geometry/angle.hpp"
 
@@ -20,32 +20,11 @@ using nlohmann::json;
 constexpr double kSettled_deg = 3;
 constexpr double kPrompt_s = 5;
 
-json figures_json(const std::vector<double>& values_deg) {
-  const std::optional<SignedStatistics> found = signed_statistics(values_deg);
-  if (!found) return {{"mean_deg", nullptr}, {"std_deg", nullptr}, {"max_deg", nullptr}};
-  return {{"mean_deg", found->mean}, {"std_deg", found->deviation}, {"max_deg", found->max}};
-}
-
-// All samples of the flights with or without stabilization, along one axis or (nothing) along any.
-json pooled_yaw_json(std::span<const TrialRecord> records, bool stabilized,
-                     std::optional<PaperAxis> axis) {
-  std::vector<double> pooled_deg;
-  for (const TrialRecord& record : records) {
-    if (record.trial.stabilized != stabilized || (axis && record.trial.axis != *axis)) continue;
-    for (const TrialSample& sample : record.samples) {
-      pooled_deg.push_back(sample.yaw_rad / kDegree);
-    }
-  }
-  return figures_json(pooled_deg);
-}
-
-json yaw_row(std::span<const TrialRecord> records, bool stabilized) {
-  json row;
-  for (const auto& [axis, name] : EnumNames<PaperAxis>::value) {
-    row[std::string(name)] = pooled_yaw_json(records, stabilized, axis);
-  }
-  row["all"] = pooled_yaw_json(records, stabilized, std::nullopt);
-  return row;
+std::vector<double> yaw_deg(const TrialRecord& record) {
+  std::vector<double> values;
+  values.reserve(record.samples.size());
+  for (const TrialSample& sample : record.samples) values.push_back(sample.yaw_rad / kDegree);
+  return values;
 }
 
 std::vector<std::optional<double>> settling_times_s(const TrialRecord& record) {
@@ -114,10 +93,13 @@ json orientation_summary(std::span<const TrialRecord> records) {
     }
     all_s.insert(all_s.end(), times_s.begin(), times_s.end());
   }
+  const auto yaw_by_axis = [&](bool stabilized) {
+    return statistics_by_axis(records, stabilized, "deg", yaw_deg);
+  };
   return {{"limit_deg", kSettled_deg},
           {"settling", settled_json(all_s)},
           {"kicks", std::move(kicks)},
-          {"table", {{"on", yaw_row(records, true)}, {"off", yaw_row(records, false)}}}};
+          {"table", {{"on", yaw_by_axis(true)}, {"off", yaw_by_axis(false)}}}};
 }
 
 std::string orientation_table(const json& orientation) {

@@ -21,14 +21,4 @@ std::optional<SignedStatistics> signed_statistics(std::span<const double> values
   return result;
 }
 
-std::optional<DisplacementStatistics> displacement_statistics(
-    std::span<const double> displacements_m) {
-  const std::optional<SignedStatistics> found = signed_statistics(displacements_m);
-  if (!found) return std::nullopt;
-  return DisplacementStatistics{.samples = found->samples,
-                                .mean_m = found->mean,
-                                .std_m = found->deviation,
-                                .max_m = found->max};
-}
-
 }  // namespace stillkite

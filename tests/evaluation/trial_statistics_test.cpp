@@ -13,23 +13,23 @@ TEST(TrialStatistics, OfASymmetricTriangle) {
   std::vector<double> d;
   d.reserve(40001);
   for (int i = 0; i <= 40000; ++i) d.push_back(-2 + 1e-4 * i);
-  const auto found = displacement_statistics(d);
+  const auto found = signed_statistics(d);
   ASSERT_TRUE(found);
-  EXPECT_NEAR(found->mean_m, 1, 1e-4);
-  EXPECT_NEAR(found->std_m, 2 / std::sqrt(3), 1e-4);
-  EXPECT_DOUBLE_EQ(found->max_m, 2);
+  EXPECT_NEAR(found->mean, 1, 1e-4);
+  EXPECT_NEAR(found->deviation, 2 / std::sqrt(3), 1e-4);
+  EXPECT_DOUBLE_EQ(found->max, 2);
   EXPECT_EQ(found->samples, 40001);
 }
 
 TEST(TrialStatistics, AnOffsetCountsInTheMeanAndNotInTheDeviation) {
-  const auto found = displacement_statistics(std::vector<double>{-0.3, -0.3, -0.3});
+  const auto found = signed_statistics(std::vector<double>{-0.3, -0.3, -0.3});
   ASSERT_TRUE(found);
-  EXPECT_NEAR(found->mean_m, 0.3, 1e-15);
-  EXPECT_NEAR(found->std_m, 0, 1e-15);
+  EXPECT_NEAR(found->mean, 0.3, 1e-15);
+  EXPECT_NEAR(found->deviation, 0, 1e-15);
 }
 
 TEST(TrialStatistics, OfNothing) {
-  EXPECT_FALSE(displacement_statistics({}));
+  EXPECT_FALSE(signed_statistics({}));
 }
 
 }  // namespace

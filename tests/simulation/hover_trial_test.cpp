@@ -30,7 +30,7 @@ double mean_displacement_m(const TrialRecord& record) {
   for (const TrialSample& sample : record.samples) {
     d.push_back(sample.displacement_in_world_m.dot(paper_axis_in_world(record.trial.axis)));
   }
-  return displacement_statistics(d)->mean_m;
+  return signed_statistics(d)->mean;
 }
 
 TEST(HoverTrial, WithoutStabilizationTheDroneFollowsItsStation) {
