@@ -33,14 +33,7 @@ void set_distortion(Camera& camera, DistortionModel model, const ConfigNode& nod
                     const std::string& key, const std::vector<double>& given) {
   camera.distortion = model;
   if (model == DistortionModel::none) return;
-  const std::size_t n = given.size();
-  const bool fits = model == DistortionModel::equidistant ? n == 4 : n == 4 || n == 5 || n == 8;
-  if (!fits) {
-    reject_value(
-        node, key,
-        fmt::format("{} coefficients, {} are needed for {}", n,
-                    model == DistortionModel::equidistant ? "4" : "4, 5 or 8", name_of(model)));
-  }
+  if (const auto wrong = misfit(model, given.size())) reject_value(node, key, *wrong);
   std::copy(given.begin(), given.end(), camera.coefficients.begin());
 }
 
@@ -171,6 +164,17 @@ Calibration read_calibration(const ConfigNode& root) {
   }
   check_camera(out.camera, root.origin);
   return out;
+}
+
+std::optional<std::string> misfit(DistortionModel model, std::size_t n) {
+  if (model == DistortionModel::none) {
+    if (n == 0) return std::nullopt;
+    return fmt::format("{} coefficients of no model; give distortion too", n);
+  }
+  const bool is_fisheye = model == DistortionModel::equidistant;
+  if (n == 4 || (!is_fisheye && (n == 5 || n == 8))) return std::nullopt;
+  return fmt::format("{} coefficients, {} are needed for {}", n, is_fisheye ? "4" : "4, 5 or 8",
+                     name_of(model));
 }
 
 void check_camera(const Camera& camera, const std::string& origin) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "geometry/camera.hpp"
 #include "geometry/rigid_transform.hpp"
@@ -24,6 +25,9 @@ struct Calibration {
 /// Throws InputError with file:line:column, key and remedy.
 [[nodiscard]] Calibration read_calibration(const std::filesystem::path& file);
 [[nodiscard]] Calibration read_calibration(const ConfigNode& root);
+
+/// What is wrong with so many coefficients of a lens of that model, if anything.
+[[nodiscard]] std::optional<std::string> misfit(DistortionModel model, std::size_t coefficients);
 
 /// Throws InputError beginning with `origin` unless all numbers are finite, the focal lengths and
 /// the resolution positive and the principal point near the picture.

@@ -22,12 +22,8 @@ Calibration calibration_of(const CameraConfig& config) {
                 .centre_x_px = config.centre_x_px,
                 .centre_y_px = config.centre_y_px,
                 .distortion = config.distortion};
-  if (config.coefficients.empty() != (config.distortion == DistortionModel::none)) {
-    throw InputError(
-        "calibration.camera: distortion and coefficients belong together; give both or none");
-  }
-  if (config.coefficients.size() > camera.coefficients.size()) {
-    throw InputError("calibration.camera.coefficients: at most 8 are known");
+  if (const auto wrong = misfit(config.distortion, config.coefficients.size())) {
+    throw InputError("calibration.camera.coefficients: " + *wrong);
   }
   std::copy(config.coefficients.begin(), config.coefficients.end(), camera.coefficients.begin());
   check_camera(camera, "calibration.camera");
@@ -86,7 +82,14 @@ RigidTransform mount_of(const MountConfig& mount, const Calibration& calibration
     }
     return {q.normalized(), position};
   }
-  if (!mount.down_deg && calibration.body_from_camera) return *calibration.body_from_camera;
+  if (!mount.down_deg && calibration.body_from_camera) {
+    if (!position.isZero(0)) {
+      throw InputError(
+          "mount.position_m: the calibration says where the camera sits; give mount.down_deg or "
+          "mount.rotation_wxyz too, which take its place, or leave it out");
+    }
+    return *calibration.body_from_camera;
+  }
   return {body_from_camera_looking_down(mount.down_deg.value_or(90.0)), position};
 }
 

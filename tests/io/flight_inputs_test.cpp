@@ -96,9 +96,35 @@ TEST_F(Inputs, TwoStartsAreAnError) {
   EXPECT_NE(error().find("are both given; keep one"), std::string::npos);
 }
 
-TEST_F(Inputs, ALensWithoutItsModelIsAnError) {
-  config.calibration.camera->coefficients = {-0.3, 0.1, 0, 0};
-  EXPECT_NE(error().find("distortion and coefficients belong together"), std::string::npos);
+TEST_F(Inputs, ALensHasAsManyCoefficientsAsItsModel) {
+  CameraConfig& camera = *config.calibration.camera;
+  camera.coefficients = {-0.3, 0.1, 0, 0};
+  EXPECT_EQ(error(),
+            "calibration.camera.coefficients: 4 coefficients of no model; give distortion too");
+  camera.distortion = DistortionModel::radial_tangential;
+  EXPECT_EQ(error(), "accepted");
+  camera.coefficients = {-0.3, 0.1, 0};
+  EXPECT_NE(error().find("3 coefficients, 4, 5 or 8 are needed"), std::string::npos);
+  camera.coefficients = {-0.3, 0.1, 0, 0, 0};
+  camera.distortion = DistortionModel::equidistant;
+  EXPECT_NE(error().find("5 coefficients, 4 are needed"), std::string::npos);
+}
+
+// Its numbers would be left out silently.
+TEST_F(Inputs, APlaceOfTheCameraBesideTheCalibrationsIsAnError) {
+  config.calibration = {.path = folder.file("sensor.yaml", R"(sensor_type: camera
+camera_model: pinhole
+resolution: [1920, 1080]
+intrinsics: [1152, 1152, 959.5, 539.5]
+distortion_model: none
+T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
+)"),
+                        .camera = {}};
+  EXPECT_EQ(error(), "accepted");
+  config.mount.position_m = {0.1, 0, 0};
+  EXPECT_NE(error().find("mount.position_m: the calibration says where"), std::string::npos);
+  config.mount.down_deg = 30;
+  EXPECT_EQ(error(), "accepted");
 }
 
 TEST_F(Inputs, ABarometerIsTiedToTheInitialHeight) {
