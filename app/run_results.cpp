@@ -24,7 +24,7 @@ std::string reasons(const json& verdicts) {
   std::string list;
   for (const auto& [verdict, name] : EnumNames<Verdict>::value) {
     const auto count = verdicts[std::string(name)].get<std::int64_t>();
-    if (is_measured(verdict) || verdict == Verdict::first_frame || count == 0) continue;
+    if (is_measured(verdict) || count == 0) continue;
     list += fmt::format("{}{} {}", list.empty() ? " (" : ", ", count, name);
   }
   return list.empty() ? list : list + ')';

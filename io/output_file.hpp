@@ -24,8 +24,6 @@ class OutputFile {
   /// Of a file that the disk had no line's room for nothing is left.
   void commit();
 
-  [[nodiscard]] const std::filesystem::path& path() const { return file_; }
-
  private:
   void flush();
 

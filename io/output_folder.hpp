@@ -6,11 +6,11 @@
 namespace stillkite {
 
 /// A folder that appears under its name whole or not at all: filled beside it as NAME.part, renamed
-/// by commit(), removed if that is never called. A NAME.part that a crash has left is replaced.
+/// by commit(), removed if that is never called.
 class OutputFolder {
  public:
-  /// Throws InputError if something other than an empty folder has the name, if nothing can be
-  /// written there, and if the disk has less than `bytes` left.
+  /// Throws InputError if something other than an empty folder has the name, if there is a
+  /// NAME.part, if nothing can be written there, and if the disk has less than `bytes` left.
   OutputFolder(const std::filesystem::path& folder, std::uintmax_t bytes);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;

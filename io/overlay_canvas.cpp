@@ -34,16 +34,15 @@ void OverlayCanvas::panel(const cv::Rect2d& area) {
   part.convertTo(part, -1, 0.35);
 }
 
-double OverlayCanvas::text(const std::string& words, const cv::Point2d& at, double height,
-                           const cv::Scalar& colour, bool bold) {
+void OverlayCanvas::text(const std::string& words, const cv::Point2d& at, double height,
+                         const cv::Scalar& colour, bool bold) {
   const double scale = height * unit_ / kCapitalAtScaleOne;
   const int thickness = std::max(1, cvRound(scale * (bold ? 2.0 : 1.2)));
   cv::putText(picture_, words, cv::Point(at), kFont, scale, colour, thickness, cv::LINE_AA);
-  return cv::getTextSize(words, kFont, scale, thickness, nullptr).width;
 }
 
-double OverlayCanvas::pill(const std::string& words, const cv::Point2d& top_left, double height,
-                           const cv::Scalar& colour) {
+void OverlayCanvas::pill(const std::string& words, const cv::Point2d& top_left, double height,
+                         const cv::Scalar& colour) {
   const double capital = 0.46 * height;
   const double scale = capital * unit_ / kCapitalAtScaleOne;
   const int thickness = std::max(1, cvRound(scale * 1.4));
@@ -61,7 +60,6 @@ double OverlayCanvas::pill(const std::string& words, const cv::Point2d& top_left
                 colour, cv::FILLED);
   cv::putText(picture_, words, cv::Point(left + cv::Point2d(0, 0.5 * capital * unit_)), kFont,
               scale, {255, 255, 255}, thickness, cv::LINE_AA);
-  return words_px + 2 * radius;
 }
 
 void OverlayCanvas::arrow(const cv::Point2d& from, const cv::Point2d& to, double width,

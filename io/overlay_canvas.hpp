@@ -17,12 +17,12 @@ class OverlayCanvas {
 
   /// Darkens a rectangle so that text on it can be read.
   void panel(const cv::Rect2d& area);
-  /// Text whose baseline starts at `at`; `height` is that of a capital. Gives the text's width.
-  double text(const std::string& words, const cv::Point2d& at, double height,
-              const cv::Scalar& colour, bool bold = false);
-  /// A filled rounded rectangle with words in it; gives its width.
-  double pill(const std::string& words, const cv::Point2d& top_left, double height,
-              const cv::Scalar& colour);
+  /// Text whose baseline starts at `at`; `height` is that of a capital.
+  void text(const std::string& words, const cv::Point2d& at, double height,
+            const cv::Scalar& colour, bool bold = false);
+  /// A filled rounded rectangle with words in it.
+  void pill(const std::string& words, const cv::Point2d& top_left, double height,
+            const cv::Scalar& colour);
   /// An arrow with a dark rim.
   void arrow(const cv::Point2d& from, const cv::Point2d& to, double width,
              const cv::Scalar& colour);

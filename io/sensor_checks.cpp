@@ -11,7 +11,7 @@
 namespace stillkite {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
+constexpr double kGravity_m_s2 = 9.80665;
 
 // What is missing of it, if anything.
 template <typename Value>

@@ -51,14 +51,6 @@ struct Disturbance {
 
 enum class TetherStatus { taut, slack_by_wind, slack_by_fault };
 
-template <>
-struct EnumNames<TetherStatus> {
-  static constexpr auto value = std::to_array<std::pair<TetherStatus, std::string_view>>(
-      {{TetherStatus::taut, "taut"},
-       {TetherStatus::slack_by_wind, "slack: the wind pushes towards the station"},
-       {TetherStatus::slack_by_fault, "slack: the reel is at fault"}});
-};
-
 /// Truth. The velocity is that of now, by the means over the last two internal steps; the yaw rate
 /// is a mean over the last one.
 struct DroneTruth {

@@ -21,7 +21,7 @@ struct YawKickConfig {
   double longest_s = 1.5;
 
   static void fields(auto& self, auto&& field) {
-    field("every_s", self.every_s, kPositive, "time between kicks");
+    field("every_s", self.every_s, Range{.min = 0.1}, "time between kicks");
     field("largest_deg", self.largest_deg, Range{0, 180}, "of a kick, to either side");
     field("smallest_deg", self.smallest_deg, Range{0, 180}, "of a kick");
     field("longest_s", self.longest_s, kNotNegative, "a gust; every other kick is a step");

@@ -102,7 +102,7 @@ struct HoldConfig {
   RecommendedHoldConfig recommended;
 
   static void fields(auto& self, auto&& field) {
-    field("mode", self.mode, "paper | recommended");
+    field("mode", self.mode, "the hold paper's procedure, or PI in metres with prediction");
     field("limits", self.limits, "the vehicle's");
     field("max_estimate_age_s", self.max_estimate_age_s, kPositive,
           "an estimate whose exposure is longer ago commands nothing");
