@@ -14,6 +14,7 @@
 #include "app/estimator_run.hpp"
 #include "app/exit_code.hpp"
 #include "app/interrupt.hpp"
+#include "app/options.hpp"
 #include "app/results_folder.hpp"
 #include "app/run_evaluation.hpp"
 #include "app/run_results.hpp"
@@ -151,13 +152,8 @@ void add_compare(CLI::App& app) {
                    "NAME:key=value,key=value (default: every policy)")
       ->allow_extra_args(false)
       ->type_name("LIST");
-  command
-      ->add_option("--set", arguments->overrides,
-                   "Override a key of the configuration for all, as key=value; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("KEY=VALUE");
-  command->add_option("--out", arguments->out, "Folder for the results (default: out/CONFIG)")
-      ->type_name("DIR");
+  add_overrides(*command, arguments->overrides);
+  add_results_folder(*command, arguments->out);
   command
       ->add_option("--threads", arguments->threads,
                    "Of each estimator. With one, the default, their times can be compared; frames "

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "app/commands.hpp"
+#include "app/options.hpp"
 #include "io/config_printing.hpp"
 #include "io/run_config.hpp"
 
@@ -23,11 +24,7 @@ void add_config(CLI::App& app) {
       "config", "Print the configuration of a run: every key, its value, range and meaning");
   const auto arguments = std::make_shared<ConfigArguments>();
   command->add_option("config", arguments->config, "YAML file; without it the defaults");
-  command
-      ->add_option("--set", arguments->overrides,
-                   "Override a key of the configuration, as key=value; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("KEY=VALUE");
+  add_overrides(*command, arguments->overrides);
   command->footer("What is printed can be run again: stillkite config > my.yaml");
   command->callback([arguments] {
     fmt::print("{}", print_config(load_run_config(arguments->config, arguments->overrides)));

@@ -18,6 +18,7 @@
 #include "app/hover_results.hpp"
 #include "app/hover_setup.hpp"
 #include "app/interrupt.hpp"
+#include "app/options.hpp"
 #include "app/results_folder.hpp"
 #include "app/trial_fleet.hpp"
 #include "io/config_printing.hpp"
@@ -30,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct HoverArguments {
-  fs::path config;
+  std::optional<fs::path> config;
   std::vector<std::string> estimators;
   std::vector<std::string> overrides;
   fs::path out;
@@ -46,13 +47,15 @@ int crew_size(int asked_for, std::size_t trials) {
 }
 
 // Nothing that is read there is overwritten.
-fs::path output_folder(const HoverArguments& arguments) {
-  const fs::path out = results_folder(arguments.out, arguments.config);
-  protect_inputs(out,
+void prepare(const fs::path& folder, const fs::path& config_file, const HoverConfig& config,
+             std::size_t trials) {
+  std::vector<fs::path> inputs{config_file};
+  if (config.plant_file) inputs.push_back(*config.plant_file);
+  protect_inputs(folder,
                  {"trials.csv", "samples.csv", "estimates.csv", "hover.yaml", "summary.json",
                   "report.html", "comparison.json"},
-                 {arguments.config});
-  return out;
+                 inputs);
+  prepare_output_folder(folder, trials * kBytesPerTrial);
 }
 
 std::vector<Trial> trials_of(const HoverConfig& config) {
@@ -74,17 +77,18 @@ FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
                        const std::vector<Trial>& trials, const std::string& label) {
   const auto start = std::chrono::steady_clock::now();
   TrialFleet fleet(config, world, trials, label);
-  fleet.fly(crew_size(arguments.jobs, trials.size()));
+  const std::exception_ptr failure = fleet.fly(crew_size(arguments.jobs, trials.size()));
   const std::vector<TrialRecord>& records = fleet.records();
+  if (failure && records.empty()) std::rethrow_exception(failure);
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   const std::string policy(name_of(config.estimator.policy));
   nlohmann::json summary = hover_summary(records, policy, wall_s);
   summary["interrupted"] = interrupted();
-  if (interrupted()) {
-    fmt::print(stderr, "stillkite: {}: stopped after {} of {} trials\n", label, records.size(),
-               trials.size());
+  if (failure || interrupted()) {
+    fmt::print(stderr, "stillkite: {}: stopped after {} of {} trials; what was flown is in {}\n",
+               label, records.size(), trials.size(), out.string());
   }
   write_file(out / "trials.csv", trials_csv(records, policy));
   write_file(out / "samples.csv", samples_csv(records));
@@ -95,16 +99,17 @@ FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
       hover_report_trials(records, fleet.pictures(), policy);
   write_hover_report(
       out / "report.html",
-      {.title = arguments.config.string(), .trials = drawn, .config_yaml = print_config(config)},
+      {.title = arguments.config->string(), .trials = drawn, .config_yaml = print_config(config)},
       summary);
+  if (failure) std::rethrow_exception(failure);
   return {.records = records, .summary = summary};
 }
 
 void hover_with_one(const HoverArguments& arguments) {
   const HoverConfig config = load_hover_config(arguments.config, arguments.overrides);
   const std::vector<Trial> trials = trials_of(config);
-  const fs::path out = output_folder(arguments);
-  prepare_output_folder(out, trials.size() * kBytesPerTrial);
+  const fs::path out = results_folder(arguments.out, *arguments.config);
+  prepare(out, *arguments.config, config, trials.size());
   const FlownTrials flown = fly_trials(arguments, out, config, make_world(config), trials, "hover");
   if (arguments.json) {
     fmt::print("{}\n", json_text(flown.summary));
@@ -121,11 +126,12 @@ void hover_with_one(const HoverArguments& arguments) {
 void hover_with_each(const HoverArguments& arguments) {
   const std::string list = fmt::format("{}", fmt::join(arguments.estimators, ","));
   const std::vector<HoverVariant> variants =
-      load_hover_variants(arguments.config, arguments.overrides, parse_variants(list));
+      load_hover_variants(*arguments.config, arguments.overrides, parse_variants(list));
   std::vector<Trial> trials = trials_of(variants.front().config);
-  const fs::path out = output_folder(arguments);
+  const fs::path out = results_folder(arguments.out, *arguments.config);
+  prepare(out, *arguments.config, variants.front().config, 0);
   for (const HoverVariant& variant : variants) {
-    prepare_output_folder(out / variant.name, trials.size() * kBytesPerTrial);
+    prepare(out / variant.name, *arguments.config, variant.config, trials.size());
   }
   const HoverWorld world = make_world(variants.front().config);
   std::vector<ComparedTrials> compared;
@@ -179,13 +185,8 @@ void add_hover(CLI::App& app) {
           "your own as NAME:key=value,key=value (default: the configuration's alone)")
       ->allow_extra_args(false)
       ->type_name("LIST");
-  command
-      ->add_option("--set", arguments->overrides,
-                   "Override a key of the configuration, as key=value; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("KEY=VALUE");
-  command->add_option("--out", arguments->out, "Folder for the results (default: out/CONFIG)")
-      ->type_name("DIR");
+  add_overrides(*command, arguments->overrides);
+  add_results_folder(*command, arguments->out);
   command->add_option("--jobs", arguments->jobs, "Trials flown at once (default: one a core)")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--json", arguments->json, "Print summary.json on stdout and nothing else");
@@ -202,7 +203,7 @@ void add_hover(CLI::App& app) {
   command->callback([arguments, print] {
     if (*print) {
       fmt::print("{}", print_config(load_hover_config(arguments->config, arguments->overrides)));
-    } else if (arguments->config.empty()) {
+    } else if (!arguments->config) {
       throw InputError("hover: no configuration is given; try configs/trials_fused.yaml");
     } else {
       hover(*arguments);

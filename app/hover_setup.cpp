@@ -22,11 +22,9 @@ cv::Mat through_jpeg(const cv::Mat& grey, int quality) {
 
 }  // namespace
 
-HoverConfig load_hover_config(const std::filesystem::path& file,
+HoverConfig load_hover_config(const std::optional<std::filesystem::path>& file,
                               const std::vector<std::string>& overrides) {
-  ConfigNode root{.kind = ConfigNode::Kind::map};
-  if (!file.empty()) root = read_yaml(file);
-  for (const std::string& assignment : overrides) apply_override(root, assignment);
+  const ConfigNode root = read_config(file, overrides);
   HoverConfig config;
   if (root.find("plant_file") != nullptr) {
     const auto plant_file = bind_config<HoverConfig>(root).plant_file;
@@ -46,20 +44,9 @@ std::vector<HoverVariant> load_hover_variants(const std::filesystem::path& file,
                                               const std::vector<std::string>& overrides,
                                               const std::vector<VariantName>& names) {
   require_shared(names, kSharedHoverSections);
-  (void)load_hover_config(file, overrides);  // what is wrong for all is not one variant's fault
-  std::vector<HoverVariant> variants;
-  variants.reserve(names.size());
-  for (const VariantName& name : names) {
-    std::vector<std::string> all = overrides;
-    all.insert(all.end(), name.overrides.begin(), name.overrides.end());
-    try {
-      variants.push_back({name.name, name.overrides, load_hover_config(file, all)});
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("--estimators {}: {}", name.name, error.what()));
-    }
-    check_policy(name.name, variants.back().config.estimator.policy);
-  }
-  return variants;
+  return load_each<HoverConfig>(names, overrides, [&](const std::vector<std::string>& keys) {
+    return load_hover_config(file, keys);
+  });
 }
 
 }  // namespace stillkite

@@ -9,6 +9,7 @@
 #include "app/estimator_run.hpp"
 #include "app/exit_code.hpp"
 #include "app/interrupt.hpp"
+#include "app/options.hpp"
 #include "app/results_folder.hpp"
 #include "app/run_results.hpp"
 #include "io/json_text.hpp"
@@ -69,13 +70,8 @@ void add_run(CLI::App& app) {
       app.add_subcommand("run", "Estimate the motion from a video or a data set of pictures");
   const auto arguments = std::make_shared<RunArguments>();
   command->add_option("config", arguments->config, "YAML file; see: stillkite config")->required();
-  command
-      ->add_option("--set", arguments->overrides,
-                   "Override a key of the configuration, as key=value; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("KEY=VALUE");
-  command->add_option("--out", arguments->out, "Folder for the results (default: out/CONFIG)")
-      ->type_name("DIR");
+  add_overrides(*command, arguments->overrides);
+  add_results_folder(*command, arguments->out);
   command->add_flag("--json", arguments->json, "Print summary.json on stdout and nothing else");
   command->footer(
       "Writes estimates.csv (one row a frame), trajectory.tum, summary.json and report.html;\n"

@@ -10,6 +10,7 @@
 #include "app/exit_code.hpp"
 #include "app/flight_files.hpp"
 #include "app/interrupt.hpp"
+#include "app/options.hpp"
 #include "app/progress_bar.hpp"
 #include "io/config_binding.hpp"
 #include "io/config_node.hpp"
@@ -153,10 +154,7 @@ struct SimulateArguments {
 };
 
 SimulateConfig config_of(const SimulateArguments& arguments) {
-  ConfigNode root{.kind = ConfigNode::Kind::map};
-  if (arguments.config) root = read_yaml(*arguments.config);
-  for (const std::string& assignment : arguments.overrides) apply_override(root, assignment);
-  return bind_config<SimulateConfig>(root);
+  return bind_config<SimulateConfig>(read_config(arguments.config, arguments.overrides));
 }
 
 void simulate(const SimulateArguments& arguments) {
@@ -177,8 +175,7 @@ void add_simulate(CLI::App& app) {
   const auto arguments = std::make_shared<SimulateArguments>();
   command->add_option("config", arguments->config,
                       "YAML file; without it the flow paper's flight (stillkite simulate --print)");
-  command->add_option("--set", arguments->overrides, "key=value over the file's, repeatable")
-      ->type_name("KEY=VALUE");
+  add_overrides(*command, arguments->overrides);
   command->add_option("--out", arguments->out, "folder that is made for the flight")
       ->type_name("DIR");
   const auto print = std::make_shared<bool>(false);

@@ -41,14 +41,14 @@ TrialFleet::TrialFleet(const HoverConfig& config, const HoverWorld& world,
       pictures_(trials_.size()),
       progress_(label, static_cast<std::int64_t>(trials_.size())) {}
 
-void TrialFleet::fly(int jobs) {
+std::exception_ptr TrialFleet::fly(int jobs) {
   {
     std::vector<std::jthread> crew;
     crew.reserve(static_cast<std::size_t>(jobs));
     for (int i = 0; i < jobs; ++i) crew.emplace_back([this] { fly_next_ones(); });
   }
-  if (failure_) std::rethrow_exception(failure_);
   forget_unfinished();
+  return failure_;
 }
 
 void TrialFleet::fly_next_ones() {

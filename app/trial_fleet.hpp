@@ -19,8 +19,8 @@ class TrialFleet {
   TrialFleet(const HoverConfig& config, const HoverWorld& world, std::vector<Trial> trials,
              const std::string& label);
 
-  /// Until all are flown, or Ctrl-C. Throws what a trial throws.
-  void fly(int jobs);
+  /// Until all are flown, Ctrl-C, or a trial throws, and what it throws is returned.
+  [[nodiscard]] std::exception_ptr fly(int jobs);
 
   /// Those that were flown to their end.
   [[nodiscard]] const std::vector<TrialRecord>& records() const { return records_; }

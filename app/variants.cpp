@@ -128,20 +128,9 @@ std::vector<Variant> load_variants(const std::filesystem::path& file,
                                    const std::vector<std::string>& overrides,
                                    const std::vector<VariantName>& names) {
   require_shared(names, kSharedSections);
-  (void)load_run_config(file, overrides);  // what is wrong for all is not one variant's fault
-  std::vector<Variant> variants;
-  variants.reserve(names.size());
-  for (const VariantName& name : names) {
-    std::vector<std::string> all = overrides;
-    all.insert(all.end(), name.overrides.begin(), name.overrides.end());
-    try {
-      variants.push_back({name.name, name.overrides, load_run_config(file, all)});
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("--estimators {}: {}", name.name, error.what()));
-    }
-    check_policy(name.name, variants.back().config.estimator.policy);
-  }
-  return variants;
+  return load_each<RunConfig>(names, overrides, [&](const std::vector<std::string>& keys) {
+    return load_run_config(file, keys);
+  });
 }
 
 }  // namespace stillkite

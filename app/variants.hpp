@@ -36,11 +36,35 @@ void require_shared(const std::vector<VariantName>& variants,
 void check_policy(const std::string& name, Policy policy);
 
 /// A name with its configuration.
-struct Variant {
+template <typename Config>
+struct VariantOf {
   std::string name;
   std::vector<std::string> overrides;
-  RunConfig config;
+  Config config;
 };
+using Variant = VariantOf<RunConfig>;
+
+/// For each name what `load` makes of all keys, its own last. Throws InputError as `load`, with the
+/// name where the fault is that variant's.
+template <typename Config, typename Load>
+[[nodiscard]] std::vector<VariantOf<Config>> load_each(const std::vector<VariantName>& names,
+                                                       const std::vector<std::string>& overrides,
+                                                       Load&& load) {
+  (void)load(overrides);  // what is wrong for all is not one variant's fault
+  std::vector<VariantOf<Config>> variants;
+  variants.reserve(names.size());
+  for (const VariantName& name : names) {
+    std::vector<std::string> all = overrides;
+    all.insert(all.end(), name.overrides.begin(), name.overrides.end());
+    try {
+      variants.push_back({name.name, name.overrides, load(all)});
+    } catch (const InputError& error) {
+      throw InputError("--estimators " + name.name + ": " + error.what());
+    }
+    check_policy(name.name, variants.back().config.estimator.policy);
+  }
+  return variants;
+}
 
 /// The configuration of a file under the command line's key=value's, once for each name, its own
 /// keys last. Pictures, truth and output are the same for all. Throws InputError as

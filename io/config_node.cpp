@@ -114,16 +114,6 @@ const ConfigNode* ConfigNode::find(std::string_view key) const {
   return find_in(*this, key);
 }
 
-const ConfigNode* ConfigNode::find_path(std::string_view dotted) const {
-  const ConfigNode* node = this;
-  while (node != nullptr && !dotted.empty()) {
-    const std::size_t dot = dotted.find('.');
-    node = node->find(dotted.substr(0, dot));
-    dotted = dot == std::string_view::npos ? std::string_view() : dotted.substr(dot + 1);
-  }
-  return node;
-}
-
 ConfigNode parse_yaml(const std::string& text, const std::string& origin,
                       const std::filesystem::path& base_folder) {
   try {
@@ -162,6 +152,14 @@ void apply_override(ConfigNode& root, const std::string& assignment) {
     at = find_in(*at, key);
   }
   *at = parse_override_value(assignment.substr(equals + 1), origin);
+}
+
+ConfigNode read_config(const std::optional<std::filesystem::path>& file,
+                       const std::vector<std::string>& overrides) {
+  ConfigNode root{.kind = ConfigNode::Kind::map};
+  if (file) root = read_yaml(*file);
+  for (const std::string& assignment : overrides) apply_override(root, assignment);
+  return root;
 }
 
 }  // namespace stillkite

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,9 +29,6 @@ struct ConfigNode {
 
   /// The value under the key; nullptr if this is no map or has no such key.
   [[nodiscard]] const ConfigNode* find(std::string_view key) const;
-
-  /// The value under a dotted path such as "estimator.mode"; nullptr if there is none.
-  [[nodiscard]] const ConfigNode* find_path(std::string_view dotted) const;
 };
 
 /// Throws InputError "file:line:column: ..." on what is not YAML, on repeated keys, and on
@@ -44,5 +42,9 @@ struct ConfigNode {
 /// Lays `key.path=value` of the command line over the document. The value is read as YAML where it
 /// begins with [ or {, else it is one scalar. Relative paths in it count from the current folder.
 void apply_override(ConfigNode& root, const std::string& assignment);
+
+/// A configuration file under the command line's key=value's; without a file these alone.
+[[nodiscard]] ConfigNode read_config(const std::optional<std::filesystem::path>& file,
+                                     const std::vector<std::string>& overrides);
 
 }  // namespace stillkite

@@ -6,10 +6,7 @@ namespace stillkite {
 
 RunConfig load_run_config(const std::optional<std::filesystem::path>& file,
                           const std::vector<std::string>& overrides) {
-  ConfigNode root{.kind = ConfigNode::Kind::map};
-  if (file) root = read_yaml(*file);
-  for (const std::string& assignment : overrides) apply_override(root, assignment);
-  return bind_config<RunConfig>(root);
+  return bind_config<RunConfig>(read_config(file, overrides));
 }
 
 }  // namespace stillkite
