@@ -56,9 +56,8 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   // 1. Either estimator by itself: the flow's picture is not searched for where it is of no use,
   //    and the reference's is told the vertical.
   const NavigationEstimate flow = flow_.step(frame, interval, readings, !has_relief_);
-  const RigidTransform flow_from_camera = flow.world_from_body * body_from_camera_;
   SensorReadings hints = readings;
-  if (!hints.attitude) hints.attitude = guessed_attitude(flow_from_camera);
+  if (!hints.attitude) hints.attitude = guessed_attitude(flow);
   const NavigationEstimate reference = reference_.step(frame, interval, hints);
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
@@ -66,36 +65,45 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   predict(readings, frame.stamp, reference);
   take_readings(readings, frame.stamp);
   // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
-  landmarks_.weigh(reference_.unit_variance());
-  flow_from_camera_ = flow_from_camera;
-  if (flow.scale != flow_scale_) reseat_anchor();  // its world has another unit now
-  flow_scale_ = flow.scale;
-  if (flow.verdict == Verdict::ok && !reference.reference->is_back) {
-    judge_ground(reference.reference->is_home);
-  }
-  const bool flow_taken = is_ground_flat_ && see_ground();
-  if (reference.reference->is_back) filter_.restore(home_);
-  const bool landmarks_taken = !interval.spoiled && see_landmarks(reference.reference->is_home);
-  if (!has_gyro_ && !flow_taken) take_turn(reference);
-  if (reference.reference->is_back) reseat_anchor();
-  if (!has_gyro_) take_rate(flow_taken ? flow : reference);
-  const VectorEstimate velocity = mean_velocity(flow, flow_taken);
+  const Seen seen = see(flow, reference, interval.spoiled.has_value());
+  const VectorEstimate velocity = mean_velocity(flow, seen.ground);
   const MotionEstimate since_reference = motion_since_reference(reference.reference->motion);
   // 4. The camera, wherever it is, is what new landmarks and the ground will be seen from.
-  if (reference.reference->new_reference) {
-    if (reference.reference->is_home) home_ = filter_.map();
-    filter_.take_anchor();
-    flow_from_anchor_ = flow_from_camera_;
-  }
+  if (reference.reference->new_reference) take_reference(reference.reference->is_home);
   if (flow.new_keyframe) filter_.take_keyframe();
   const Verdict verdict = interval.spoiled                ? *interval.spoiled
-                          : flow_taken || landmarks_taken ? Verdict::ok
+                          : seen.ground || seen.landmarks ? Verdict::ok
                                                           : unmeasured(reference.verdict);
   NavigationEstimate out =
       with_report(answer(frame, verdict, velocity), reference, since_reference);
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   return out;
+}
+
+FusedNavigator::Seen FusedNavigator::see(const NavigationEstimate& flow,
+                                         const NavigationEstimate& reference, bool is_spoiled) {
+  const bool is_back = reference.reference->is_back;
+  const bool is_home = reference.reference->is_home;
+  landmarks_.weigh(reference_.unit_variance());
+  flow_from_camera_ = flow.world_from_body * body_from_camera_;
+  if (flow.scale != flow_scale_) reseat_anchor();  // its world has another unit now
+  flow_scale_ = flow.scale;
+  if (flow.verdict == Verdict::ok && !is_back) judge_ground(is_home);
+  Seen seen;
+  seen.ground = is_ground_flat_ && see_ground();
+  if (is_back) filter_.restore(home_);
+  seen.landmarks = !is_spoiled && see_landmarks(is_home);
+  if (!has_gyro_ && !seen.ground) take_turn(reference);
+  if (is_back) reseat_anchor();
+  if (!has_gyro_) take_rate(seen.ground ? flow : reference);
+  return seen;
+}
+
+void FusedNavigator::take_reference(bool is_home) {
+  if (is_home) home_ = filter_.map();
+  filter_.take_anchor();
+  flow_from_anchor_ = flow_from_camera_;
 }
 
 // Where the filter has it.
@@ -120,9 +128,9 @@ MotionEstimate FusedNavigator::motion_since_reference(const MotionEstimate& by_r
 }
 
 // As it was, and on by what the flow has turned since.
-Eigen::Quaterniond FusedNavigator::guessed_attitude(const RigidTransform& flow_from_camera) const {
+Eigen::Quaterniond FusedNavigator::guessed_attitude(const NavigationEstimate& flow) const {
   const Eigen::Quaterniond turn =
-      flow_from_camera_.rotation.conjugate() * flow_from_camera.rotation;
+      flow_from_camera_.rotation.conjugate() * (flow.world_from_body * body_from_camera_).rotation;
   return filter_.state().world_from_camera.rotation * turn * body_from_camera_.rotation.conjugate();
 }
 

@@ -27,13 +27,22 @@ class FusedNavigator {
   [[nodiscard]] const std::vector<WindowFlow>& windows() const { return reference_.windows(); }
 
  private:
-  [[nodiscard]] Eigen::Quaterniond guessed_attitude(const RigidTransform& flow_from_camera) const;
+  // What told something in this frame.
+  struct Seen {
+    bool ground = false;
+    bool landmarks = false;
+  };
+
+  [[nodiscard]] Eigen::Quaterniond guessed_attitude(const NavigationEstimate& flow) const;
   void predict(const SensorReadings& readings, Timestamp now, const NavigationEstimate& reference);
   [[nodiscard]] InertialStep uncovered_step(const SensorReadings& readings, double dt_s,
                                             const NavigationEstimate& reference) const;
   void take_turn(const NavigationEstimate& reference);
   void take_rate(const NavigationEstimate& estimate);
   void take_readings(const SensorReadings& readings, Timestamp now);
+  [[nodiscard]] Seen see(const NavigationEstimate& flow, const NavigationEstimate& reference,
+                         bool is_spoiled);
+  void take_reference(bool is_home);
   void reseat_anchor();
   void judge_ground(bool is_home);
   [[nodiscard]] bool see_ground();
