@@ -103,20 +103,15 @@ void compare(const CompareArguments& arguments) {
   tell_of_missing_scale(runs.front().inputs());
 
   const auto start = std::chrono::steady_clock::now();
-  const std::exception_ptr failure = step_through(source, runs, "compare");
+  const Ending ending = step_through(source, runs, "compare");
   const ComparisonFacts facts{
       .frames_read = source.read(),
       .wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
       .decoding_s = source.decoding_s(),
       .threads = arguments.threads,
       .interrupted = interrupted(),
-      .complaint = failure ? message_of(failure) : source.complaint()};
-  if (facts.complaint && !failure) fmt::print(stderr, "stillkite: {}\n", *facts.complaint);
-  tell_of_what_does_not_cover(runs.front());
-  if (failure || facts.interrupted) {
-    fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
-               runs.front().estimates().size(), out.string());
-  }
+      .complaint = ending.complaint};
+  tell_of_ending(ending, runs.front(), out);
   std::vector<ComparedRun> compared;
   compared.reserve(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -130,7 +125,7 @@ void compare(const CompareArguments& arguments) {
   const nlohmann::json comparison = comparison_json(compared, facts);
   write_file(out / "comparison.json", json_text(comparison) + '\n');
   write_page(out / "report.html", arguments, variants, runs, comparison);
-  if (failure) std::rethrow_exception(failure);
+  if (ending.failure) std::rethrow_exception(ending.failure);
   if (arguments.json) {
     fmt::print("{}\n", json_text(comparison));
   } else {

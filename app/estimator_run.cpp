@@ -25,6 +25,25 @@ HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
           config.estimator, in_the_shadow(config.hold), inputs.initial};
 }
 
+// One line for each sensor's log, and for a truth, that says nothing of much of the flight.
+void tell_of_what_does_not_cover(const EstimatorRun& run) {
+  if (run.estimates().empty()) return;
+  const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
+  for (const std::string& sentence : uncovered_by_sensors(run.inputs().sensors, first, last)) {
+    fmt::print(stderr, "stillkite: {}\n", sentence);
+  }
+  const std::vector<StampedPose>& truth = run.inputs().truth;
+  if (truth.empty()) return;
+  const std::int64_t judged = frames_with_truth(run.inputs(), run.estimates());
+  if (judged >= kFewestToJudge) return;
+  fmt::print(stderr,
+             "stillkite: truth: it has a pose at {} of the pictures, too few to judge by: it is "
+             "from {:.3f} s to {:.3f} s, the pictures are from {:.3f} s to "
+             "{:.3f} s: are both on one clock?\n",
+             judged, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp),
+             to_seconds(first), to_seconds(last));
+}
+
 }  // namespace
 
 EstimatorRun::EstimatorRun(RunConfig config, const Frame& first)
@@ -79,8 +98,7 @@ std::optional<CommandCounts> EstimatorRun::commands() const {
   return files_->commands ? std::optional(files_->commands->counts()) : std::nullopt;
 }
 
-std::exception_ptr step_through(FrameSource& source, std::span<EstimatorRun> runs,
-                                const std::string& label) {
+Ending step_through(FrameSource& source, std::span<EstimatorRun> runs, const std::string& label) {
   try {
     ProgressBar progress(label, source.expected());
     std::size_t turn = 0;
@@ -91,18 +109,10 @@ std::exception_ptr step_through(FrameSource& source, std::span<EstimatorRun> run
       ++turn;
       progress.step();
     }
-  } catch (...) {
-    return std::current_exception();
-  }
-  return nullptr;
-}
-
-std::string message_of(const std::exception_ptr& failure) {
-  try {
-    std::rethrow_exception(failure);
   } catch (const std::exception& error) {
-    return error.what();
+    return {.failure = std::current_exception(), .complaint = error.what()};
   }
+  return {.failure = nullptr, .complaint = source.complaint()};
 }
 
 void tell_of_missing_scale(const FlightInputs& inputs) {
@@ -115,22 +125,17 @@ void tell_of_missing_scale(const FlightInputs& inputs) {
                  : "; with estimator.policy=fused a metre from where the column scale says imu");
 }
 
-void tell_of_what_does_not_cover(const EstimatorRun& run) {
-  if (run.estimates().empty()) return;
-  const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
-  for (const std::string& sentence : uncovered_by_sensors(run.inputs().sensors, first, last)) {
-    fmt::print(stderr, "stillkite: {}\n", sentence);
+void tell_of_ending(const Ending& ending, const EstimatorRun& run,
+                    const std::filesystem::path& out) {
+  // a failure's is told where it is caught
+  if (ending.complaint && !ending.failure) {
+    fmt::print(stderr, "stillkite: {}\n", *ending.complaint);
   }
-  const std::vector<StampedPose>& truth = run.inputs().truth;
-  if (truth.empty()) return;
-  const std::int64_t judged = frames_with_truth(run.inputs(), run.estimates());
-  if (judged >= kFewestToJudge) return;
-  fmt::print(stderr,
-             "stillkite: truth: it has a pose at {} of the pictures, too few to judge by: it is "
-             "from {:.3f} s to {:.3f} s, the pictures are from {:.3f} s to "
-             "{:.3f} s: are both on one clock?\n",
-             judged, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp),
-             to_seconds(first), to_seconds(last));
+  tell_of_what_does_not_cover(run);
+  if (ending.failure || interrupted()) {
+    fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
+               run.estimates().size(), out.string());
+  }
 }
 
 }  // namespace stillkite

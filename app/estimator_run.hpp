@@ -54,19 +54,23 @@ class EstimatorRun {
   std::vector<float> frame_ms_;
 };
 
-/// Steps all of them on each frame until the end or Ctrl-C. Their order turns with the frames: who
-/// comes later finds the picture in the cache already. Gives the message of what ended it early, so
-/// that what was estimated is written first.
-[[nodiscard]] std::exception_ptr step_through(FrameSource& source, std::span<EstimatorRun> runs,
-                                              const std::string& label);
+/// How a recording ended; what was estimated is written before a failure is thrown on.
+struct Ending {
+  std::exception_ptr failure;
+  std::optional<std::string> complaint;  ///< what was wrong with it or with the pictures, in words
+};
 
-/// What was wrong, in words.
-[[nodiscard]] std::string message_of(const std::exception_ptr& failure);
+/// Steps all of them on each frame until the end, a failure or Ctrl-C. Their order turns with the
+/// frames: who comes later finds the picture in the cache already.
+[[nodiscard]] Ending step_through(FrameSource& source, std::span<EstimatorRun> runs,
+                                  const std::string& label);
 
 /// One line where an estimator's lengths are no metres.
 void tell_of_missing_scale(const FlightInputs& inputs);
 
-/// One line for each sensor's log, and for a truth, that says nothing of much of the flight.
-void tell_of_what_does_not_cover(const EstimatorRun& run);
+/// A line of what was wrong, of each sensor's log, and of a truth, that says nothing of much of the
+/// flight, and of where the results of a recording lie that did not come to its end.
+void tell_of_ending(const Ending& ending, const EstimatorRun& run,
+                    const std::filesystem::path& out);
 
 }  // namespace stillkite

@@ -38,23 +38,18 @@ void run(const RunArguments& arguments) {
   tell_of_missing_scale(estimator.inputs());
 
   const Clock::time_point start = Clock::now();
-  const std::exception_ptr failure = step_through(source, std::span(&estimator, 1), "run");
+  const Ending ending = step_through(source, std::span(&estimator, 1), "run");
   const RunFacts facts{.frames_read = source.read(),
                        .frame_ms = estimator.frame_ms(),
                        .wall_s = std::chrono::duration<double>(Clock::now() - start).count(),
                        .interrupted = interrupted(),
-                       .complaint = failure ? message_of(failure) : source.complaint(),
+                       .complaint = ending.complaint,
                        .commands = estimator.commands()};
   estimator.commit();
-  if (facts.complaint && !failure) fmt::print(stderr, "stillkite: {}\n", *facts.complaint);
-  tell_of_what_does_not_cover(estimator);
-  if (failure || facts.interrupted) {
-    fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
-               estimator.estimates().size(), out.string());
-  }
+  tell_of_ending(ending, estimator, out);
   const nlohmann::json summary =
       write_run_results(out, config, estimator.inputs(), estimator.estimates(), facts);
-  if (failure) std::rethrow_exception(failure);
+  if (ending.failure) std::rethrow_exception(ending.failure);
   if (arguments.json) {
     fmt::print("{}\n", json_text(summary));
   } else {
