@@ -2,12 +2,12 @@
 #include <cmath>
 
 #include "estimation/fusion_filter.hpp"
+#include "geometry/gravity.hpp"
 
 namespace stillkite {
 namespace {
 
 using Index = FusionIndex;
-constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kAnyRateDensity = 0.5;  // rad/s/sqrt(Hz)
 
 // Accelerometers feel its opposite. The world's vertical is off by the tilt: exp(tilt) z.

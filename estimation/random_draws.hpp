@@ -6,22 +6,19 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/mix_bits.hpp"
+
 namespace stillkite {
 
-/// Random numbers that are the same on every machine: SplitMix64 (Steele, Lea and Flood 2014, "Fast
-/// splittable pseudorandom number generators").
+/// Random numbers that are the same on every machine (SplitMix64).
 class RandomDraws {
  public:
   explicit RandomDraws(std::uint64_t seed) : state_(seed) {}
 
   /// Uniform over 0 .. count - 1, for a count that is small beside 2^32.
   [[nodiscard]] std::size_t below(std::size_t count) {
-    state_ += 0x9e3779b97f4a7c15U;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    z ^= z >> 31U;
-    return static_cast<std::size_t>(((z >> 32U) * count) >> 32U);
+    const std::uint64_t high = mix_bits(state_ += kSplitMixStep) >> 32U;
+    return static_cast<std::size_t>((high * count) >> 32U);
   }
 
   /// N different ones of 0 .. count - 1; count >= N.

@@ -11,6 +11,7 @@
 #include "estimation/leverage.hpp"
 #include "estimation/random_draws.hpp"
 #include "estimation/residual_scale.hpp"
+#include "estimation/robust_kernel.hpp"
 #include "estimation/rotation_view.hpp"
 #include "estimation/sampson_refinement.hpp"
 #include "estimation/transfer_error.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 // Of two components: their median length is sqrt(2 ln 2) standard deviations; Tukey's cutoff for 95
 // % of the efficiency is as in robust_kernel.hpp.
-constexpr double kSigmaOfMedianLength = 1 / 1.1774100225154747;
+constexpr double kSigmaOfMedianLength = 1 / kRayleighMedian;
 constexpr double kTukeyCutoffOfLength = 5.1;
 constexpr double kLeastCutoff = 1e-9;
 constexpr double kCutoffInThresholds = 1.5;

@@ -7,11 +7,10 @@
 #include <optional>
 
 #include "geometry/fields.hpp"
+#include "geometry/gravity.hpp"
 
 namespace stillkite {
 namespace {
-
-constexpr double kGravity_m_s2 = 9.80665;
 
 // What is missing of it, if anything.
 template <typename Value>

@@ -5,12 +5,11 @@
 #include <string>
 
 #include "geometry/angle.hpp"
+#include "geometry/gravity.hpp"
 #include "simulation/random.hpp"
 
 namespace stillkite {
 namespace {
-
-constexpr double kGravity_m_s2 = 9.80665;
 
 // Sines of 4 to 40 s, slow ones larger, of the given RMS.
 std::vector<Signal::Sine> irregular(double rms, Random random) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/fields.hpp"
+#include "geometry/gravity.hpp"
 #include "geometry/time.hpp"
 #include "simulation/random.hpp"
 #include "simulation/relief.hpp"
@@ -55,7 +56,7 @@ class ImuErrors {
 
 /// Accelerometers feel its opposite.
 [[nodiscard]] inline Eigen::Vector3d gravity_in_world_m_s2() {
-  return {0, 0, -9.80665};
+  return {0, 0, -kGravity_m_s2};
 }
 
 struct RangeConfig {

@@ -1,0 +1,7 @@
+#pragma once
+
+namespace stillkite {
+
+inline constexpr double kGravity_m_s2 = 9.80665;  ///< standard
+
+}  // namespace stillkite
