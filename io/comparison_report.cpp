@@ -19,10 +19,6 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxComparedSamples = 3000;
 
-bool has_scale(std::span<const NavigationEstimate> estimates) {
-  return !estimates.empty() && estimates.back().scale != ScaleSource::none;
-}
-
 /// Lengths of the vectors whose axes are three columns.
 std::vector<float> lengths_of(const ReportSeries& series, const std::string& name,
                               const std::string& unit) {
@@ -54,14 +50,6 @@ json true_columns(const ReportSeries& series) {
   return columns;
 }
 
-json stretches_of(std::span<const NavigationEstimate> estimates) {
-  json stretches = json::array();
-  for (const VerdictStretch& stretch : verdict_stretches(estimates)) {
-    stretches.push_back({name_of(stretch.verdict), stretch.start_s, stretch.end_s});
-  }
-  return stretches;
-}
-
 json run_columns(const ReportSeries& series, bool has_lengths, bool has_truth, bool is_metric) {
   json columns = json::object();
   if (has_lengths) {
@@ -83,7 +71,7 @@ json comparison_data(const ComparisonReportContent& content, const json& compari
   bool any_metric = false;
   for (const ComparedEstimates& run : content.runs) {
     frames = std::min({frames, run.estimates.size(), run.frame_ms.size()});
-    any_metric = any_metric || has_scale(run.estimates);
+    any_metric = any_metric || is_in_metres(run.estimates);
   }
   if (content.runs.empty()) frames = 0;
   const auto truth = content.truth.first(std::min(frames, content.truth.size()));
@@ -96,11 +84,11 @@ json comparison_data(const ComparisonReportContent& content, const json& compari
     const auto estimates = run.estimates.first(frames);
     if (frames == 0) break;
     const ReportSeries series = report_series({.estimates = estimates, .truth = truth});
-    const bool is_metric = has_scale(run.estimates);
+    const bool is_metric = is_in_metres(run.estimates);
     const bool has_lengths = is_metric || !any_metric;
     json of_run{{"name", run.name},
                 {"is_metric", is_metric},
-                {"verdicts", stretches_of(estimates)},
+                {"verdicts", verdict_stretches_json(estimates)},
                 {"columns", run_columns(series, has_lengths, !truth.empty(), is_metric)}};
     of_run["columns"]["frame_ms"] = drawn(run.frame_ms.first(frames));
     if (has_lengths) of_run["path"] = path_of(series, "position");

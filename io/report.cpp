@@ -38,22 +38,12 @@ json path(const ReportSeries& series) {
   return result;
 }
 
-json verdicts(std::span<const NavigationEstimate> estimates) {
-  json stretches = json::array();
-  for (const VerdictStretch& stretch : verdict_stretches(estimates)) {
-    stretches.push_back({name_of(stretch.verdict), stretch.start_s, stretch.end_s});
-  }
-  return stretches;
-}
-
 json report_data(const ReportContent& content, const json& summary) {
   const ReportSeries series = report_series(content);
-  const bool metric =
-      !content.estimates.empty() && content.estimates.back().scale != ScaleSource::none;
   return {{"columns", columns(series)},
           {"path", path(series)},
-          {"verdicts", verdicts(content.estimates)},
-          {"length_unit", metric ? "m" : "heights"},
+          {"verdicts", verdict_stretches_json(content.estimates)},
+          {"length_unit", is_in_metres(content.estimates) ? "m" : "heights"},
           {"has_truth", !content.truth.empty()},
           {"decimated", content.estimates.size() > kMaxSamples},
           {"summary", summary}};

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "geometry/angle.hpp"
@@ -101,14 +102,9 @@ void add_quality(Table& table, const NavigationEstimate& estimate) {
   }
 }
 
-/// Lengths in heights are not to be drawn beside, or subtracted from, true ones in metres.
-bool is_in_metres(const ReportContent& content) {
-  return !content.estimates.empty() && content.estimates.back().scale != ScaleSource::none;
-}
-
 /// Mean velocity between two true positions; nothing where one is not known.
 Eigen::Vector3d true_velocity(const ReportContent& content, std::size_t i) {
-  if (i == 0 || !is_in_metres(content) || !content.truth[i] || !content.truth[i - 1]) {
+  if (i == 0 || !is_in_metres(content.estimates) || !content.truth[i] || !content.truth[i - 1]) {
     return nothing();
   }
   const double dt_s = seconds_between(content.estimates[i - 1].stamp, content.estimates[i].stamp);
@@ -131,7 +127,7 @@ ReportSeries report_series(const ReportContent& content) {
     if (unwrapped.allFinite()) angles = unwrapped;
     if (!content.truth.empty()) {
       const std::optional<RigidTransform>& truth = content.truth[i];
-      const bool has_position = truth && is_in_metres(content);
+      const bool has_position = truth && is_in_metres(content.estimates);
       add_errors(table, estimate, truth, has_position ? truth->translation : nothing(),
                  true_velocity(content, i));
       add_angles(table, "_true", truth ? angles_deg(truth->rotation, unwrapped) : nothing());
@@ -151,6 +147,18 @@ std::vector<VerdictStretch> verdict_stretches(std::span<const NavigationEstimate
     }
   }
   return stretches;
+}
+
+nlohmann::json verdict_stretches_json(std::span<const NavigationEstimate> estimates) {
+  nlohmann::json stretches = nlohmann::json::array();
+  for (const VerdictStretch& stretch : verdict_stretches(estimates)) {
+    stretches.push_back({name_of(stretch.verdict), stretch.start_s, stretch.end_s});
+  }
+  return stretches;
+}
+
+bool is_in_metres(std::span<const NavigationEstimate> estimates) {
+  return !estimates.empty() && estimates.back().scale != ScaleSource::none;
 }
 
 }  // namespace stillkite

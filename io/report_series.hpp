@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -24,5 +25,11 @@ struct VerdictStretch {
 };
 [[nodiscard]] std::vector<VerdictStretch> verdict_stretches(
     std::span<const NavigationEstimate> estimates);
+
+/// The same for a page: [[verdict, start_s, end_s], ...].
+[[nodiscard]] nlohmann::json verdict_stretches_json(std::span<const NavigationEstimate> estimates);
+
+/// Lengths in heights are not to be drawn beside, or subtracted from, true ones in metres.
+[[nodiscard]] bool is_in_metres(std::span<const NavigationEstimate> estimates);
 
 }  // namespace stillkite
