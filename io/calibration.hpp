@@ -26,8 +26,8 @@ struct Calibration {
 [[nodiscard]] Calibration read_calibration(const std::filesystem::path& file);
 [[nodiscard]] Calibration read_calibration(const ConfigNode& root);
 
-/// What is wrong with so many coefficients of a lens of that model, if anything.
-[[nodiscard]] std::optional<std::string> misfit(DistortionModel model, std::size_t coefficients);
+/// What is wrong with n coefficients of a lens of that model, if anything.
+[[nodiscard]] std::optional<std::string> misfit(DistortionModel model, std::size_t n);
 
 /// Throws InputError beginning with `origin` unless all numbers are finite, the focal lengths and
 /// the resolution positive and the principal point near the picture.
