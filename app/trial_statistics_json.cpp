@@ -32,8 +32,9 @@ json statistics_by_axis(std::span<const TrialRecord> records, bool stabilized,
     return statistics_json(all, unit);
   };
   json row;
-  for (const auto& [axis, name] : EnumNames<PaperAxis>::value)
+  for (const auto& [axis, name] : EnumNames<PaperAxis>::value) {
     row[std::string(name)] = pooled(axis);
+  }
   row["all"] = pooled(std::nullopt);
   return row;
 }
