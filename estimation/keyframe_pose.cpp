@@ -69,6 +69,8 @@ ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
   by_alignment.topLeftCorner<3, 3>() = -height_m * R;
   by_alignment.bottomRightCorner<3, 3>() = -R;
 
+  out.camera_by_twist = by_alignment * alignment.motion_by_twist;
+  out.camera_by_twist.leftCols<3>() /= height_m;
   out.relative_covariance = by_alignment * relative * by_alignment.transpose();
   const Matrix6d mixed = by_keyframe * (K * tilt_with_relative) * by_alignment.transpose();
   const Matrix6d sum = by_keyframe * out.keyframe.covariance * by_keyframe.transpose() +

@@ -39,6 +39,7 @@ struct ChainedPose {
   PoseEstimate camera;    ///< of the current frame, on the levelled keyframe
   RigidTransform keyframe_from_camera;
   Matrix6d relative_covariance;  ///< of `camera` against its keyframe alone, in world axes
+  Matrix6d camera_by_twist;      ///< in world axes by the twist in the camera
 };
 [[nodiscard]] ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
                                 const LevellingConfig& config);

@@ -72,16 +72,17 @@ void MotionFilter::predict(double dt_s) {
 }
 
 template <int kRows>
-void MotionFilter::correct(int first, const Eigen::Matrix<double, kRows, 1>& innovation,
+void MotionFilter::correct(const Eigen::Matrix<double, kRows, 12>& H,
+                           const Eigen::Matrix<double, kRows, 1>& innovation,
                            const Eigen::Matrix<double, kRows, kRows>& covariance) {
   using Gain = Eigen::Matrix<double, 12, kRows>;
-  const Eigen::Matrix<double, kRows, kRows> S = P_.block<kRows, kRows>(first, first) + covariance;
+  const Gain PHt = P_ * H.transpose();
+  const Eigen::Matrix<double, kRows, kRows> S = H * PHt + covariance;
   const Eigen::LDLT<Eigen::Matrix<double, kRows, kRows>> ldlt(S);
-  const Gain PHt = P_.middleCols<kRows>(first);
   const Gain K = ldlt.solve(PHt.transpose()).transpose();
   const Vector12d correction = K * innovation;
   // the smoother's gain on the same innovation: cov(pose_{j-1}, z) S^-1
-  const Eigen::Matrix<double, 6, kRows> back_PHt = previous_with_state_.middleCols<kRows>(first);
+  const Eigen::Matrix<double, 6, kRows> back_PHt = previous_with_state_ * H.transpose();
   const Vector6d back = back_PHt * ldlt.solve(innovation);
 
   pose_.translation += correction.head<3>();
@@ -92,8 +93,7 @@ void MotionFilter::correct(int first, const Eigen::Matrix<double, kRows, 1>& inn
   previous_pose_.rotation = (so3_exp(back.tail<3>()) * previous_pose_.rotation).normalized();
 
   // Joseph form keeps P symmetric and positive
-  Matrix12d I_KH = Matrix12d::Identity();
-  I_KH.middleCols<kRows>(first) -= K;
+  const Matrix12d I_KH = Matrix12d::Identity() - K * H;
   const Matrix12d P = I_KH * P_ * I_KH.transpose() + K * covariance * K.transpose();
   P_ = 0.5 * (P + P.transpose());
   previous_covariance_ -= back_PHt * ldlt.solve(back_PHt.transpose());
@@ -101,15 +101,27 @@ void MotionFilter::correct(int first, const Eigen::Matrix<double, kRows, 1>& inn
 }
 
 void MotionFilter::update(const RigidTransform& measured_pose, const Matrix6d& covariance) {
+  update(measured_pose, covariance, twist_in_camera(), Matrix6d::Zero());
+}
+
+void MotionFilter::update(const RigidTransform& measured_pose, const Matrix6d& covariance,
+                          const Twist& assumed_twist, const Matrix6d& pose_by_twist) {
   Vector6d innovation;
   innovation << measured_pose.translation - pose_.translation,
       so3_log(measured_pose.rotation * pose_.rotation.conjugate());
-  correct<6>(0, innovation, covariance);
+  innovation -= pose_by_twist * (assumed_twist.vector() - twist_in_camera().vector());
+  PoseWithState H;
+  H << Matrix6d::Identity(),
+      -pose_by_twist.leftCols<3>() * pose_.rotation.conjugate().toRotationMatrix(),
+      -pose_by_twist.rightCols<3>();
+  correct<6>(H, innovation, covariance);
 }
 
 void MotionFilter::update_rate(const Eigen::Vector3d& measured_rate_rad_s,
                                const Eigen::Matrix3d& covariance) {
-  correct<3>(9, measured_rate_rad_s - rate_in_camera_, covariance);
+  Eigen::Matrix<double, 3, 12> H = Eigen::Matrix<double, 3, 12>::Zero();
+  H.rightCols<3>().setIdentity();
+  correct<3>(H, measured_rate_rad_s - rate_in_camera_, covariance);
 }
 
 void MotionFilter::transform_world(const RigidTransform& change) {

@@ -37,6 +37,10 @@ class MotionFilter {
 
   void predict(double dt_s);
   void update(const RigidTransform& measured_pose, const Matrix6d& covariance);
+  /// A pose that was measured for an assumed twist and would have been another one for another:
+  /// `pose_by_twist` is its derivative by the twist in the camera.
+  void update(const RigidTransform& measured_pose, const Matrix6d& covariance,
+              const Twist& assumed_twist, const Matrix6d& pose_by_twist);
 
   /// By a gyro in the camera's axes.
   void update_rate(const Eigen::Vector3d& measured_rate_rad_s, const Eigen::Matrix3d& covariance);
@@ -69,9 +73,10 @@ class MotionFilter {
   using Vector12d = Eigen::Matrix<double, 12, 1>;
   using PoseWithState = Eigen::Matrix<double, 6, 12>;
 
-  // Kalman update by an innovation of the error's components from `first` on.
+  // Kalman update by an innovation of H times the error.
   template <int kRows>
-  void correct(int first, const Eigen::Matrix<double, kRows, 1>& innovation,
+  void correct(const Eigen::Matrix<double, kRows, 12>& H,
+               const Eigen::Matrix<double, kRows, 1>& innovation,
                const Eigen::Matrix<double, kRows, kRows>& covariance);
   void transform_errors(const Matrix12d& by);
   // of the way from the frame before to the last one, (translation, rotation vector) in world

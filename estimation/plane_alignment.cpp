@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/row_time.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -19,6 +21,10 @@ constexpr int most_steps(int level) {
   return level == 0 ? 1 : 2;
 }
 constexpr double kSettled_px = 0.05;
+
+float later_s(const Camera& camera, const RollingShutter& shutter, float row_px) {
+  return static_cast<float>(row_time_s(shutter.readout_s, row_px, camera.height_px));
+}
 
 int cell(float position, int size, int cells) {
   const float at = position * static_cast<float>(cells) / static_cast<float>(size);
@@ -60,16 +66,21 @@ void PlaneAligner::set_reference(Pyramid& pyramid) {
 
 PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& guess,
                                    const TiltPrior& tilt, const RollingShutter& shutter) {
-  PlaneAlignment out{.motion = guess};
+  PlaneAlignment out{.motion = guess, .twist = shutter.current_twist};
+  const bool rolls = shutter.readout_s > 0;
   const int levels =
       std::min({static_cast<int>(levels_.size()), reference_.levels(), current.levels()});
   PlaneSolution solution;
   for (int l = levels - 1; l >= 0; --l) {
     Level& level = levels_[static_cast<std::size_t>(l)];
+    const TileRays& rays = rolls ? rays_at_stamp(level, out.motion.normal, shutter) : level.rays;
     for (int s = 0; s < most_steps(l); ++s) {
       // 1. where the motion takes every window
-      place_tiles(level.camera, level.rays, out.motion, tilt.axes, placement_, jacobian_);
-      if (shutter.readout_s > 0) shift_by_row_time(level, shutter);
+      place_tiles(level.camera, rays, out.motion, tilt.axes, placement_, jacobian_);
+      if (rolls) {
+        place_tiles(level.camera, rays, out.motion, tilt.axes, placement_, jacobian_,
+                    &times_of_rows(level.camera, shutter));
+      }
       // 2. what the images say of it, in information form
       const bool exactly = config_.exact_warp && deformation_px(level.grid) > kFirstOrder_px;
       const TileEffort effort{.quintic = l == 0, .contrast = l > 0 && s == 0};
@@ -89,24 +100,47 @@ PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& gu
     }
   }
   if (out.solvable) assess(solution, out);
+  if (out.solvable && rolls) out.motion_by_twist = motion_by_twist(solution);
   return out;
 }
 
-void PlaneAligner::shift_by_row_time(const Level& level, const RollingShutter& shutter) {
-  // a row is seen later than the middle one; the scene moves against the camera
-  const float middle = 0.5F * static_cast<float>(level.camera.height_px - 1);
-  const float s_per_row =
-      static_cast<float>(shutter.readout_s) / static_cast<float>(level.camera.height_px);
-  for (std::size_t i = 0; i < placement_.x_px.size(); ++i) {
-    const float later_s = s_per_row * (placement_.y_px[i] - middle);
-    const float reference_later_s = s_per_row * (level.grid.centre_y_px[i] - middle);
-    for (int a = 0; a < 6; ++a) {
-      const float moved = static_cast<float>(shutter.reference_twist[a]) * reference_later_s -
-                          static_cast<float>(shutter.current_twist[a]) * later_s;
-      placement_.x_px[i] += moved * jacobian_.x(a)[i];
-      placement_.y_px[i] += moved * jacobian_.y(a)[i];
-    }
+// Where the keyframe's windows would have been seen at its stamp. At the time of its row, t later,
+// the camera is t v further and the ground t n.v nearer, in heights of the stamp:
+//   b' = R b + t v (n . R b) / (1 - t n.v),   R b = b + t w x b
+const TileRays& PlaneAligner::rays_at_stamp(const Level& level, const Eigen::Vector3d& normal,
+                                            const RollingShutter& shutter) {
+  const Eigen::Vector3f n = normal.cast<float>();
+  const Eigen::Vector3f v = shutter.reference_twist.head<3>().cast<float>();
+  const Eigen::Vector3f w = shutter.reference_twist.tail<3>().cast<float>();
+  rays_ = level.rays;
+  for (std::size_t i = 0; i < rays_.x.size(); ++i) {
+    const float t = later_s(level.camera, shutter, level.grid.centre_y_px[i]);
+    const Eigen::Vector3f bearing(rays_.x[i], rays_.y[i], 1);
+    const Eigen::Vector3f turned = bearing + t * w.cross(bearing);
+    const float inverse_depth = std::max(0.0F, n.dot(turned)) / (1 - t * n.dot(v));
+    const Eigen::Vector3f at_stamp = turned + t * inverse_depth * v;
+    rays_.x[i] = at_stamp.x() / at_stamp.z();
+    rays_.y[i] = at_stamp.y() / at_stamp.z();
   }
+  return rays_;
+}
+
+// Where a window moves by dy/dt its row is exposed at t = s (y + t dy/dt - middle); out of sight at
+// any time.
+const TileTimes& PlaneAligner::times_of_rows(const Camera& camera, const RollingShutter& shutter) {
+  const auto readout_s = static_cast<float>(shutter.readout_s);
+  const float s_per_row = readout_s / static_cast<float>(camera.height_px);
+  times_.twist = shutter.current_twist;
+  times_.later_s.resize(placement_.y_px.size());
+  for (std::size_t i = 0; i < times_.later_s.size(); ++i) {
+    float speed_px_s = 0;
+    for (int a = 0; a < 6; ++a) {
+      speed_px_s -= static_cast<float>(shutter.current_twist[a]) * jacobian_.y(a)[i];
+    }
+    const float t = later_s(camera, shutter, placement_.y_px[i]) / (1 - s_per_row * speed_px_s);
+    times_.later_s[i] = std::clamp(t, -readout_s, readout_s);
+  }
+  return times_;
 }
 
 float PlaneAligner::deformation_px(const TileGrid& grid) const {
@@ -191,6 +225,16 @@ void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * A * scale.asDiagonal(),
                                                       Eigen::EigenvaluesOnly);
   out.condition = eigen.eigenvalues()[5] / std::max(eigen.eigenvalues()[0], 1e-15);
+}
+
+// A window whose row is exposed t later is J_motion t from where the motion alone takes it, for
+// each unit of twist: A^-1 sum w J^T G J_motion t of motion makes up for it.
+Matrix6d PlaneAligner::motion_by_twist(const PlaneSolution& solution) {
+  std::vector<float>& weights = times_.later_s;
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= solver_.weights()[i];
+  const PlaneMotionMatrix sum =
+      accumulate(jacobian_, *measurements_, weights).information / solution.noise_variance;
+  return motion_by_gradient(solution, sum.leftCols<6>());
 }
 
 }  // namespace stillkite

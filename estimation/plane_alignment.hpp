@@ -45,6 +45,8 @@ struct PlaneAlignment {
   Matrix6d smooth_covariance = Matrix6d::Zero();  ///< by smooth errors of the flow; dt in heights
   Eigen::Vector2d tilt_rad = Eigen::Vector2d::Zero();  ///< the normal's turn from its prior
   WindowsAlone windows_alone;                          ///< without that prior; dt in heights
+  Vector6d twist = Vector6d::Zero();                   ///< for which it was found, the current one
+  Matrix6d motion_by_twist = Matrix6d::Zero();         ///< by a rolling shutter
 
   bool solvable = false;      ///< false: too little was seen, the motion is the guess
   int windows = 0;            ///< with texture, on both images
@@ -88,11 +90,14 @@ class PlaneAligner {
   };
 
   [[nodiscard]] PlaneObservations observations(const Level& level) const;
-  void shift_by_row_time(const Level& level, const RollingShutter& shutter);
+  [[nodiscard]] const TileRays& rays_at_stamp(const Level& level, const Eigen::Vector3d& normal,
+                                              const RollingShutter& shutter);
+  [[nodiscard]] const TileTimes& times_of_rows(const Camera& camera, const RollingShutter& shutter);
   [[nodiscard]] float deformation_px(const TileGrid& grid) const;
   [[nodiscard]] double update_px(const Level& level, const PlaneMotionStep& step) const;
   void match_brightness(PlaneAlignment& out, bool adapt) const;
   void assess(const PlaneSolution& solution, PlaneAlignment& out);
+  [[nodiscard]] Matrix6d motion_by_twist(const PlaneSolution& solution);
 
   PlaneAlignmentConfig config_;
   Pyramid reference_;
@@ -100,6 +105,8 @@ class PlaneAligner {
   TileFlow tile_flow_;
   PlaneSolver solver_;
   const TileMeasurements* measurements_ = nullptr;
+  TileRays rays_;    ///< of a rolling shutter, at the keyframe's stamp
+  TileTimes times_;  ///< of a rolling shutter, in the current frame
   TilePlacement placement_;
   TileJacobian jacobian_;
 };

@@ -182,6 +182,13 @@ PlaneMotionMatrix covariance_of(const PlaneSolution& solution, const PlaneMotion
   return 0.5 * (covariance + covariance.transpose());
 }
 
+Eigen::Matrix<double, 6, 6> motion_by_gradient(const PlaneSolution& solution,
+                                               const Eigen::Matrix<double, 8, 6>& gradients) {
+  const int n = solution.parameters;
+  const ScaledSolver A(solution.information.topLeftCorner(n, n));
+  return A.solve(gradients.topRows(n)).topRows<6>();
+}
+
 // Of motion and tilt with information A and scatter B, k the deflation: given the tilt the motion
 // is off by -A_mm^-1 A_mt tilt, with A_mm^-1 B_mm A_mm^-1 + (k - 1) A_mm^-1. Of the tilt, with the
 // motion taken out, S is left of A and B' of B: W = S (B' + (k - 1) S)^-1 S. The windows alone

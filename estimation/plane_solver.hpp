@@ -93,6 +93,10 @@ class PlaneSolver {
 [[nodiscard]] PlaneMotionMatrix covariance_of(const PlaneSolution& solution,
                                               const PlaneMotionMatrix& scatter);
 
+/// What the solution's motion would change by if its gradient did by the columns given.
+[[nodiscard]] Eigen::Matrix<double, 6, 6> motion_by_gradient(
+    const PlaneSolution& solution, const Eigen::Matrix<double, 8, 6>& gradients);
+
 /// What the windows say by themselves, without what was known of the normal: given one normal they
 /// tell the motion, and beside it how much that normal suits them. Angles of the normal are turns
 /// about the tilt axes from where the solution has it.

@@ -23,7 +23,9 @@ struct PlaneTilesInput {
   float focal_x, focal_y, centre_x, centre_y;
   DistortionModel distortion;
   std::array<float, 8> coefficients;
-  float largest_radius2;  // of a point of z = 1 that the lens model is trusted with
+  std::array<float, 6> twist;  // of the camera, heights and radians a second
+  const float* later_s;        // of each tile after the frame's stamp, or nullptr
+  float largest_radius2;       // of a point of z = 1 that the lens model is trusted with
 };
 
 }  // namespace stillkite
@@ -117,9 +119,20 @@ void place_kernel(const PlaneTilesInput& in, const TileRays& rays, TilePlacement
     const V inverse_depth = hn::MulAdd(nx, x, hn::MulAdd(ny, y, nz));
     const auto ground = hn::Gt(inverse_depth, zero);
     const V rho = hn::IfThenElseZero(ground, inverse_depth);
-    const V qx = hn::MulAdd(r00, x, hn::MulAdd(r01, y, hn::MulAdd(tx, rho, r02)));
-    const V qy = hn::MulAdd(r10, x, hn::MulAdd(r11, y, hn::MulAdd(ty, rho, r12)));
-    const V qz = hn::MulAdd(r20, x, hn::MulAdd(r21, y, hn::MulAdd(tz, rho, r22)));
+    V qx = hn::MulAdd(r00, x, hn::MulAdd(r01, y, hn::MulAdd(tx, rho, r02)));
+    V qy = hn::MulAdd(r10, x, hn::MulAdd(r11, y, hn::MulAdd(ty, rho, r12)));
+    V qz = hn::MulAdd(r20, x, hn::MulAdd(r21, y, hn::MulAdd(tz, rho, r22)));
+    if (in.later_s != nullptr) {
+      // the camera goes on until the tile's row is exposed: b' - t (v rho + w x b')
+      const V t = hn::LoadU(d, in.later_s + i);
+      const V wx = set(in.twist[3]), wy = set(in.twist[4]), wz = set(in.twist[5]);
+      const V dx = hn::MulAdd(set(in.twist[0]), rho, hn::MulSub(wy, qz, hn::Mul(wz, qy)));
+      const V dy = hn::MulAdd(set(in.twist[1]), rho, hn::MulSub(wz, qx, hn::Mul(wx, qz)));
+      const V dz = hn::MulAdd(set(in.twist[2]), rho, hn::MulSub(wx, qy, hn::Mul(wy, qx)));
+      qx = hn::NegMulAdd(t, dx, qx);
+      qy = hn::NegMulAdd(t, dy, qy);
+      qz = hn::NegMulAdd(t, dz, qz);
+    }
     const auto in_front =
         hn::And(hn::Gt(qz, set(0.05F)), hn::Gt(hn::LoadU(d, &rays.usable[i]), zero));
     const V iz = hn::Div(set(1.0F), hn::IfThenElse(in_front, qz, set(1.0F)));
@@ -253,8 +266,12 @@ namespace stillkite {
 namespace {
 
 PlaneTilesInput input_of(const Camera& camera, const TileRays& rays, const PlaneMotion& motion,
-                         const TiltAxes& tilt_axes) {
+                         const TiltAxes& tilt_axes, const TileTimes* times) {
   PlaneTilesInput in{};
+  if (times != nullptr) {
+    for (int i = 0; i < 6; ++i) in.twist[i] = static_cast<float>(times->twist[i]);
+    in.later_s = times->later_s.data();
+  }
   const Eigen::Matrix3d R = motion.rotation.toRotationMatrix();
   for (int i = 0; i < 9; ++i) in.rotation[i] = static_cast<float>(R(i / 3, i % 3));
   for (int i = 0; i < 3; ++i) {
@@ -310,13 +327,14 @@ TileRays make_tile_rays(const Camera& camera, const TileGrid& grid) {
 }
 
 void place_tiles(const Camera& camera, const TileRays& rays, const PlaneMotion& motion,
-                 const TiltAxes& tilt_axes, TilePlacement& placement, TileJacobian& jacobian) {
+                 const TiltAxes& tilt_axes, TilePlacement& placement, TileJacobian& jacobian,
+                 const TileTimes* times) {
   const auto count = static_cast<int>(rays.x.size());
   placement.resize(count);
   jacobian.count = count;
   jacobian.rows.resize(2 * TileJacobian::kParameters * rays.x.size());
   HWY_DYNAMIC_DISPATCH(place_kernel)
-  (input_of(camera, rays, motion, tilt_axes), rays, placement, jacobian);
+  (input_of(camera, rays, motion, tilt_axes, times), rays, placement, jacobian);
 }
 
 NormalEquations accumulate(const TileJacobian& jacobian, const TileMeasurements& measurements,

@@ -29,10 +29,18 @@ struct TileJacobian {
   [[nodiscard]] const float* y(int parameter) const { return x(parameter) + count; }
 };
 
+/// Of a rolling shutter: how much later than the frame's stamp the row of each tile is exposed, and
+/// the camera's velocity (heights a second) and angular rate meanwhile, in its own axes.
+struct TileTimes {
+  std::vector<float> later_s;
+  Eigen::Matrix<double, 6, 1> twist;
+};
+
 /// Where the motion takes every tile through the lens, exactly, and how that depends on the
 /// motion. Above the horizon only rotation is seen.
 void place_tiles(const Camera& camera, const TileRays& rays, const PlaneMotion& motion,
-                 const TiltAxes& tilt_axes, TilePlacement& placement, TileJacobian& jacobian);
+                 const TiltAxes& tilt_axes, TilePlacement& placement, TileJacobian& jacobian,
+                 const TileTimes* times = nullptr);
 
 /// Sum of w J^T G J and of w J^T g over the tiles.
 struct NormalEquations {

@@ -169,11 +169,16 @@ PlaneAlignment KeyframeNavigator::align_at_speed(const PlaneMotion& guess,
                                                  const MotionFilter& speed) {
   const PoseEstimate& keyframe = track_.keyframe();
   const double height_m = keyframe.world_from_camera.translation.z();
-  const Twist& then =
-      aligned_ <= kFramesToLearnSpeed ? speed.twist_in_camera() : track_.keyframe_twist();
+  const bool learns_speed = aligned_ <= kFramesToLearnSpeed;
+  const Twist now = speed.twist_in_camera();
+  const Twist& then = learns_speed ? now : track_.keyframe_twist();
   const RollingShutter shutter{config_.readout_s, in_heights(then, height_m),
-                               in_heights(speed.twist_in_camera(), height_m)};
-  return aligner_.align(current_, guess, tilt_prior(keyframe, config_.levelling), shutter);
+                               in_heights(now, height_m)};
+  PlaneAlignment alignment =
+      aligner_.align(current_, guess, tilt_prior(keyframe, config_.levelling), shutter);
+  // on a speed that both pictures share the motion hardly depends
+  if (learns_speed) alignment.motion_by_twist.setZero();
+  return alignment;
 }
 
 Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {

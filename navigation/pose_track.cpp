@@ -62,10 +62,17 @@ void PoseTrack::forget_speed() {
 
 MotionFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
   MotionFilter informed = filter_;
-  const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
-  informed.update(keyframe_.pose.world_from_camera * chained.keyframe_from_camera,
-                  chained.relative_covariance);
+  tell(informed, chain(keyframe_.pose, alignment, config_.levelling), alignment);
   return informed;
+}
+
+void PoseTrack::tell(MotionFilter& filter, const ChainedPose& chained,
+                     const PlaneAlignment& alignment) const {
+  const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
+  Twist assumed = Twist::from_vector(alignment.twist);
+  assumed.velocity_m_s *= world_from_keyframe.translation.z();
+  filter.update(world_from_keyframe * chained.keyframe_from_camera, chained.relative_covariance,
+                assumed, chained.camera_by_twist);
 }
 
 void PoseTrack::accept(const PlaneAlignment& alignment, const SensorReadings& readings,
@@ -73,7 +80,7 @@ void PoseTrack::accept(const PlaneAlignment& alignment, const SensorReadings& re
   correct_keyframe(alignment, readings, now);
   const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
-  filter_.update(world_from_keyframe * chained.keyframe_from_camera, chained.relative_covariance);
+  tell(filter_, chained, alignment);
   camera_ = chained.camera;
   level_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
   beyond_filter_ = camera_.covariance - filter_.pose_covariance();

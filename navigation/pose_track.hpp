@@ -49,6 +49,8 @@ class PoseTrack {
   void correct_keyframe(const PlaneAlignment& alignment, const SensorReadings& readings,
                         Timestamp now);
   void forget_speed();
+  void tell(MotionFilter& filter, const ChainedPose& chained,
+            const PlaneAlignment& alignment) const;
 
   RigidTransform body_from_camera_;
   NavigatorConfig config_;

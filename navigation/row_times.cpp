@@ -1,11 +1,8 @@
 #include "navigation/row_times.hpp"
 
-namespace stillkite {
+#include "geometry/row_time.hpp"
 
-// A row's exposure after the middle one's.
-double RowTimes::later_s(float row_px) const {
-  return readout_s_ * (row_px - 0.5 * (height_px_ - 1)) / height_px_;
-}
+namespace stillkite {
 
 void RowTimes::begin(Timestamp reference_stamp) {
   reference_stamp_ = reference_stamp;
@@ -25,8 +22,8 @@ FeatureBearings RowTimes::at_stamp(const FeatureBearings& bearings, const Featur
     const std::size_t f = bearings.feature_of_pair[i];
     const BearingPair& pair = bearings.pairs[i];
     Feature& feature = features_[f];
-    const double reference_later_s = later_s(tracks.reference_px[f].y());
-    const double current_later_s = later_s(tracks.current_px[f].y());
+    const double reference_later_s = row_time_s(readout_s_, tracks.reference_px[f].y(), height_px_);
+    const double current_later_s = row_time_s(readout_s_, tracks.current_px[f].y(), height_px_);
     if (feature.views == 0) feature = {1, reference_later_s, pair.reference, std::nullopt};
     const double since_s = stamp_s + current_later_s - feature.exposure_s;
     const Eigen::Vector2d speed_1_s = (pair.current - feature.seen) / since_s;

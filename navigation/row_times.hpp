@@ -31,7 +31,6 @@ class RowTimes {
     Eigen::Vector2d seen;                      ///< then
     std::optional<Eigen::Vector2d> reference;  ///< at the reference's stamp
   };
-  [[nodiscard]] double later_s(float row_px) const;
 
   double readout_s_;
   int height_px_;

@@ -233,6 +233,65 @@ TEST(PlaneAlignment, a_rolling_shutter_is_undone_by_its_readout_time) {
   EXPECT_GT(shift_error(without.motion, truth), 3 * shift_error(with.motion, truth));
 }
 
+// A climb of two heights a second, aside as well, by a camera that exposes row after row.
+struct RollingClimb {
+  Camera camera = lens(DistortionModel::none);
+  double readout_s = 0.016;
+  Eigen::Vector3d velocity{0.8, -0.5, 2.0};
+  Eigen::Vector3d turn_rad_s{0.1, 0.2, -0.3};
+
+  [[nodiscard]] RigidTransform at(double t_s) const {
+    return {kFirst.rotation * so3_exp(turn_rad_s * t_s), kFirst.translation + velocity * t_s};
+  }
+  [[nodiscard]] Vector6d twist(double t_s) const {
+    Vector6d twist;
+    twist << at(t_s).rotation.conjugate() * velocity, turn_rad_s;
+    return twist;
+  }
+  [[nodiscard]] cv::Mat seen(double stamp_s) const {
+    return picture(camera, [&](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
+  }
+  [[nodiscard]] static TiltPrior vague_tilt() {
+    return {.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>(),
+            .covariance = Eigen::Matrix2d(Eigen::Matrix2d::Identity())};
+  }
+  [[nodiscard]] PlaneAlignment align_for(const RollingShutter& shutter) const {
+    return align(camera, seen(0), seen(kLater_s), motion_between(at(0), at(kLater_s)), vague_tilt(),
+                 shutter);
+  }
+  static constexpr double kLater_s = 0.1;
+};
+
+// Both pictures are stretched alike; what is left of it looks like a tilt of the plane.
+TEST(PlaneAlignment, a_rolling_shutter_feigns_no_tilt_in_a_climb) {
+  const RollingClimb climb;
+  const PlaneMotion truth = motion_between(climb.at(0), climb.at(climb.kLater_s));
+  const PlaneAlignment without = climb.align_for({});
+  const PlaneAlignment with =
+      climb.align_for({climb.readout_s, climb.twist(0), climb.twist(climb.kLater_s)});
+  EXPECT_GT(without.tilt_rad.norm(), 0.03);
+  EXPECT_LT(with.tilt_rad.norm(), 0.002);
+  EXPECT_LT(shift_error(with.motion, truth), 1e-3);
+  EXPECT_LT(turn_error_rad(with.motion, truth), 1e-3);
+}
+
+TEST(PlaneAlignment, what_a_rolling_shutter_makes_of_a_false_twist_is_foreseen) {
+  const RollingClimb climb;
+  const auto found_for = [&](const Vector6d& change) {
+    return climb.align_for({climb.readout_s, climb.twist(0), climb.twist(climb.kLater_s) + change});
+  };
+  const PlaneAlignment found = found_for(Vector6d::Zero());
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d change = 0.1 * Vector6d::Unit(k);
+    const PlaneMotion slower = found_for(-change).motion, faster = found_for(change).motion;
+    const Eigen::Quaterniond turn = faster.rotation * slower.rotation.conjugate();
+    Vector6d difference;
+    difference << faster.translation - turn * slower.translation, so3_log(turn);
+    const Vector6d foreseen = 2 * found.motion_by_twist * change;
+    EXPECT_LT((difference - foreseen).norm(), 0.15 * difference.norm()) << k;
+  }
+}
+
 TEST(PlaneAlignment, a_bare_picture_is_not_solvable_and_keeps_the_guess) {
   const Camera camera = lens(DistortionModel::none);
   const cv::Mat bare(camera.height_px, camera.width_px, CV_8U, cv::Scalar(90));
