@@ -55,6 +55,8 @@ class FusionFilter {
   bool update_keyframe_view(const KeyframeView& view, double correlated_frames);
   /// The camera, here, is the keyframe of the views to come.
   void take_keyframe();
+  /// The ground's, a unit vector down.
+  [[nodiscard]] Eigen::Vector3d normal_in_keyframe() const;
   /// The camera's turn since the anchor as another estimator has it; covariance of the rotation
   /// vector, the anchor's axes. False: refused.
   bool update_turn(const Eigen::Quaterniond& anchor_from_camera, const Eigen::Matrix3d& covariance);

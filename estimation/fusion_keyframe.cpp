@@ -9,6 +9,10 @@ namespace {
 using Index = FusionIndex;
 constexpr double kVaguestTilt_rad = 0.3;
 
+Eigen::Vector3d normal_of(const FusionState& state) {
+  return -(state.world_from_keyframe.rotation.conjugate() * up(state).normalized());
+}
+
 // Of the ground's normal from that of a keyframe's view, about its tilt axes.
 struct KeyframeTilt {
   Eigen::Vector2d tilt_rad;
@@ -20,7 +24,7 @@ struct KeyframeTilt {
 //   tilt = A^T (n_view x n),   d tilt = -A^T R_k^T (e_k - delta), level parts alone
 KeyframeTilt keyframe_tilt(const FusionState& state, const KeyframeView& view) {
   const Eigen::Matrix3d R_t = state.world_from_keyframe.rotation.conjugate().toRotationMatrix();
-  const Eigen::Vector3d normal = -R_t * up(state).normalized();
+  const Eigen::Vector3d normal = normal_of(state);
   const Eigen::Matrix<double, 2, 2> level = view.tilt_axes.transpose() * R_t.leftCols<2>();
   KeyframeTilt out{.tilt_rad = view.tilt_axes.transpose() * view.motion.normal.cross(normal),
                    .by_keyframe_rotation = Eigen::Matrix<double, 2, 3>::Zero(),
@@ -30,6 +34,10 @@ KeyframeTilt keyframe_tilt(const FusionState& state, const KeyframeView& view) {
 }
 
 }  // namespace
+
+Eigen::Vector3d FusionFilter::normal_in_keyframe() const {
+  return normal_of(state_);
+}
 
 void FusionFilter::take_keyframe() {
   start_.remember([](FusionFilter& filter) { filter.take_keyframe(); });

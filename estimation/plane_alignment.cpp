@@ -66,7 +66,7 @@ void PlaneAligner::set_reference(Pyramid& pyramid) {
 
 PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& guess,
                                    const TiltPrior& tilt, const RollingShutter& shutter) {
-  PlaneAlignment out{.motion = guess, .twist = shutter.current_twist};
+  PlaneAlignment out{.motion = guess, .shutter = shutter};
   const bool rolls = shutter.readout_s > 0;
   const int levels =
       std::min({static_cast<int>(levels_.size()), reference_.levels(), current.levels()});

@@ -45,7 +45,7 @@ struct PlaneAlignment {
   Matrix6d smooth_covariance = Matrix6d::Zero();  ///< by smooth errors of the flow; dt in heights
   Eigen::Vector2d tilt_rad = Eigen::Vector2d::Zero();  ///< the normal's turn from its prior
   WindowsAlone windows_alone;                          ///< without that prior; dt in heights
-  Vector6d twist = Vector6d::Zero();                   ///< for which it was found, the current one
+  RollingShutter shutter;                              ///< for which it was found
   Matrix6d motion_by_twist = Matrix6d::Zero();         ///< by a rolling shutter
 
   bool solvable = false;      ///< false: too little was seen, the motion is the guess

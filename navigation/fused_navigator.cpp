@@ -55,7 +55,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
                                         const SensorReadings& readings) {
   // 1. Either estimator by itself: the flow's picture is not searched for where it is of no use,
   //    and the reference's is told the vertical.
-  const NavigationEstimate flow = flow_.step(frame, interval, readings, !has_relief_);
+  const NavigationEstimate flow = flow_.step(frame, interval, readings, flow_hints());
   SensorReadings hints = readings;
   if (!hints.attitude) hints.attitude = guessed_attitude(flow);
   const NavigationEstimate reference = reference_.step(frame, interval, hints);
@@ -79,6 +79,12 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   return out;
+}
+
+FlowHints FusedNavigator::flow_hints() const {
+  FlowHints hints{.may_search = !has_relief_, .normal = {}};
+  if (is_ground_flat_) hints.normal = filter_.normal_in_keyframe();
+  return hints;
 }
 
 FusedNavigator::Seen FusedNavigator::see(const NavigationEstimate& flow,

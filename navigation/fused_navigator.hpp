@@ -47,6 +47,7 @@ class FusedNavigator {
   void judge_ground(bool is_home);
   [[nodiscard]] bool see_ground();
   [[nodiscard]] double lens_ratio() const;
+  [[nodiscard]] FlowHints flow_hints() const;
   [[nodiscard]] double correlated_frames() const;
   [[nodiscard]] bool see_landmarks(bool is_home);
   [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;

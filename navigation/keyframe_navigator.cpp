@@ -57,7 +57,7 @@ KeyframeNavigator::KeyframeNavigator(const Camera& camera, const RigidTransform&
       track_(body_from_camera, config, initial) {}
 
 NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterval& interval,
-                                           const SensorReadings& readings, bool may_search) {
+                                           const SensorReadings& readings, const FlowHints& hints) {
   StopWatch watch;
   view_.reset();
   // 1. Halve the picture a few times.
@@ -68,14 +68,13 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   track_.predict(interval.dt_s, readings);
   // 3. From there find the motion since the keyframe that explains this picture.
   remember_windows(interval);
-  const PlaneAlignment alignment = interval.spoiled ? PlaneAlignment{} : align(may_search);
+  const PlaneAlignment alignment = interval.spoiled ? PlaneAlignment{} : align(hints.may_search);
   const double flow_ms = watch.lap_ms();
   // 4. Is it to be trusted?
   const Verdict verdict = interval.spoiled ? *interval.spoiled : judge(alignment);
   // 5. Chain it to the keyframe, level both by the plane's normal and filter; or stay as predicted.
   if (verdict == Verdict::ok) {
-    const TiltPrior tilt = tilt_prior(track_.keyframe(), config_.levelling);
-    view_ = {alignment.motion, tilt.axes, alignment.windows_alone};
+    view_ = view_of(alignment, hints.normal);
     track_.accept(alignment, readings, frame.stamp);
     // a keyframe taken before the speed was known had it all the same; its rows need it
     if (aligned_ <= kFramesToLearnSpeed) {
@@ -179,6 +178,25 @@ PlaneAlignment KeyframeNavigator::align_at_speed(const PlaneMotion& guess,
   // on a speed that both pictures share the motion hardly depends
   if (learns_speed) alignment.motion_by_twist.setZero();
   return alignment;
+}
+
+// Motion and normal are multiplied: what a motion for another normal is, the windows tell to first
+// order. Where that does not do they are aligned again, the normal held.
+KeyframeView KeyframeNavigator::view_of(const PlaneAlignment& alignment,
+                                        const std::optional<Eigen::Vector3d>& normal) {
+  constexpr double kSecondOrder_rad = 1e-5;
+  TiltPrior tilt = tilt_prior(track_.keyframe(), config_.levelling);
+  const KeyframeView view{alignment.motion, tilt.axes, alignment.windows_alone};
+  if (!normal || !tilt.covariance) return view;
+  const Eigen::Vector2d turn = tilt.axes.transpose() * alignment.motion.normal.cross(*normal);
+  if (alignment.motion.translation.norm() * turn.squaredNorm() < kSecondOrder_rad) return view;
+  PlaneMotionStep to_normal;
+  to_normal << alignment.windows_alone.motion_by_tilt * turn, turn;
+  PlaneMotion guess = apply(alignment.motion, to_normal, tilt.axes);
+  guess.normal = *normal;
+  tilt.covariance = 1e-12 * Eigen::Matrix2d::Identity();
+  const PlaneAlignment again = aligner_.align(current_, guess, tilt, alignment.shutter);
+  return again.solvable ? KeyframeView{again.motion, tilt.axes, again.windows_alone} : view;
 }
 
 Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {

@@ -13,22 +13,26 @@
 
 namespace stillkite {
 
+/// What a filter around the flow tells it.
+struct FlowHints {
+  bool may_search = true;  ///< the picture for a lost keyframe, which takes several times as long
+  std::optional<Eigen::Vector3d> normal;  ///< of the ground in the keyframe, for the view alone
+};
+
 /// The recommended mode: every picture is aligned to a keyframe (docs/flow_navigator.md).
 class KeyframeNavigator {
  public:
   KeyframeNavigator(const Camera& camera, const RigidTransform& body_from_camera,
                     const NavigatorConfig& config, const InitialState& initial);
 
-  /// Where nothing aligns to the prediction the picture is searched for, which takes several times
-  /// as long, if it may be.
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
-                          const SensorReadings& readings, bool may_search = true);
+                          const SensorReadings& readings, const FlowHints& hints = {});
 
   /// Of the last frame; empty where nothing was aligned.
   [[nodiscard]] std::vector<WindowFlow> windows() const;
 
-  /// What the last frame showed of the motion since the keyframe, before any filter; nothing where
-  /// its verdict is not ok.
+  /// What the last frame showed of the motion since the keyframe, before any filter, linearised
+  /// about the normal that was hinted at; nothing where its verdict is not ok.
   [[nodiscard]] const std::optional<KeyframeView>& view() const { return view_; }
 
  private:
@@ -40,6 +44,8 @@ class KeyframeNavigator {
   [[nodiscard]] bool is_better(const PlaneAlignment& a, const PlaneAlignment& b) const;
   [[nodiscard]] PlaneAlignment align_from(const PlaneMotion& guess, bool learns_speed);
   [[nodiscard]] PlaneAlignment align_at_speed(const PlaneMotion& guess, const MotionFilter& speed);
+  [[nodiscard]] KeyframeView view_of(const PlaneAlignment& alignment,
+                                     const std::optional<Eigen::Vector3d>& normal);
   void remember_windows(const FrameInterval& interval);
   [[nodiscard]] Verdict judge(const PlaneAlignment& alignment) const;
   // True: a new keyframe is due.

@@ -69,7 +69,7 @@ MotionFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
 void PoseTrack::tell(MotionFilter& filter, const ChainedPose& chained,
                      const PlaneAlignment& alignment) const {
   const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
-  Twist assumed = Twist::from_vector(alignment.twist);
+  Twist assumed = Twist::from_vector(alignment.shutter.current_twist);
   assumed.velocity_m_s *= world_from_keyframe.translation.z();
   filter.update(world_from_keyframe * chained.keyframe_from_camera, chained.relative_covariance,
                 assumed, chained.camera_by_twist);
