@@ -115,6 +115,17 @@ def mat_height(rows, truth, poses, axis):
     return offset / gain, gain
 
 
+def mat_height_at_start(rows, poses, frames=range(20, 101)):
+    """c under the first frame: it has climbed by z - z_0 where flow says ratio times its height.
+
+    The ratio of two heights over a plane is the homography's determinant, whatever its normal."""
+    stamps = [int(row["#timestamp [ns]"]) for row in rows]
+    heights = [float(row["z [m]"]) for row in rows]
+    z_0 = poses[stamps[0]]
+    return statistics.median(z_0 - (poses[stamps[i]] - z_0) / (heights[i] / heights[0] - 1)
+                             for i in frames if stamps[i] in poses)
+
+
 def main():
     if len(sys.argv) > 1:
         sys.exit(__doc__.strip())
@@ -140,6 +151,7 @@ def main():
     for axis in AXES[:3]:
         height, gain = mat_height(configured, truth, poses, axis)
         print(f"  {axis}: c = {1000 * height:.0f} mm, gain {gain:.3f}")
+    print(f"  under the start, by the first climb: {1000 * mat_height_at_start(configured, poses):.0f} mm")
 
 
 if __name__ == "__main__":
