@@ -59,6 +59,9 @@ void prepare(const fs::path& folder, const fs::path& config_file, const HoverCon
 }
 
 std::vector<Trial> trials_of(const HoverConfig& config) {
+  if (config.plant.camera.readout_s > 0) {
+    throw InputError("plant.camera.readout_s: a trial's camera exposes all rows at once; 0");
+  }
   const std::vector<Trial> trials = make_trials(config);
   if (trials.empty()) {
     throw InputError("hover: trials.on and trials.off are both 0; nothing would be flown");

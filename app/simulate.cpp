@@ -98,17 +98,19 @@ PictureOutput euroc_output(const fs::path& camera_folder) {
   return {write, [list] { list->commit(); }};
 }
 
-std::string run_yaml(PictureFormat format) {
+std::string run_yaml(PictureFormat format, double readout_s) {
   const bool video = format == PictureFormat::video;
   return fmt::format(
       "# The simulated flight beside this file: stillkite run run.yaml\n"
       "source:\n  path: {}\n{}"
       "truth:\n  path: {}\n"
-      "initial:\n  from_truth: true\n"
+      "initial:\n  from_truth: true\n{}"
       "# Other sensors of the same flight, left out: {}imu0/data.csv (imu.path), range.csv "
       "(height.path, source range)\n",
       video ? kVideoName : ".", video ? "calibration:\n  path: sensor.yaml\n" : "",
-      video ? "truth.tum" : "mav0/state_groundtruth_estimate0", video ? "" : "mav0/");
+      video ? "truth.tum" : "mav0/state_groundtruth_estimate0",
+      readout_s > 0 ? fmt::format("navigator:\n  readout_s: {}\n", readout_s) : "",
+      video ? "" : "mav0/");
 }
 
 // An upper bound; noisy pictures compress to between a tenth (video) and two thirds (PNG).
@@ -140,7 +142,7 @@ void simulate_flight(const SimulateConfig& config, const fs::path& out) {
     pictures.finish();
   }
   write_file(top / "simulation.yaml", print_config(config));
-  write_file(top / "run.yaml", run_yaml(config.output.format));
+  write_file(top / "run.yaml", run_yaml(config.output.format, simulation.camera.readout_s));
   folder.commit();
   fmt::print(stderr,
              "stillkite: {} frames; see what the navigator makes of them: stillkite run {}\n",

@@ -87,20 +87,26 @@ void Renderer::tabulate_lens() {
 cv::Mat Renderer::render(const Scene& scene, const RigidTransform& world_from_camera,
                          const std::optional<VehiclePlacement>& vehicle) const {
   cv::Mat picture(camera_.height_px, camera_.width_px, CV_32FC1);
+  render_rows(scene, world_from_camera, vehicle, {0, camera_.height_px}, picture);
+  return picture;
+}
+
+void Renderer::render_rows(const Scene& scene, const RigidTransform& world_from_camera,
+                           const std::optional<VehiclePlacement>& vehicle, const cv::Range& rows,
+                           cv::Mat& picture) const {
   if (!(world_from_camera.translation.z() > 0)) {
-    picture.setTo(scene.sky_grey);
-    return picture;
+    picture.rowRange(rows).setTo(scene.sky_grey);
+    return;
   }
   const double sample_focal_px = supersampling_ * std::min(camera_.focal_x_px, camera_.focal_y_px);
   const RenderView view = make_view(scene, world_from_camera, vehicle, sample_focal_px);
   for (int column = 0; column < padded_width_; column += kStripWidth) {
-    render_strip(view, column, std::min(kStripWidth, padded_width_ - column), picture);
+    render_strip(view, column, std::min(kStripWidth, padded_width_ - column), rows, picture);
   }
-  return picture;
 }
 
 void Renderer::render_strip(const RenderView& frame_view, int first, int count,
-                            cv::Mat& picture) const {
+                            const cv::Range& rows, cv::Mat& picture) const {
   RenderView view = frame_view;
   const int samples = supersampling_ * supersampling_;
   const std::size_t width = padded_width_;
@@ -114,7 +120,7 @@ void Renderer::render_strip(const RenderView& frame_view, int first, int count,
     height_rows[sample] = &heights[sample * kStripWidth];
     x_rows[sample] = &x_[sample % supersampling_ * width + first];
   }
-  for (int row = 0; row < camera_.height_px; ++row) {
+  for (int row = rows.start; row < rows.end; ++row) {
     for (int sample = 0; sample < samples; ++sample) {
       const std::size_t at = (static_cast<std::size_t>(row) * samples + sample) * width + first;
       if (!pinhole) x_rows[sample] = &x_[at];
@@ -123,7 +129,7 @@ void Renderer::render_strip(const RenderView& frame_view, int first, int count,
     // the first row starts from z = 0, the others from the row above
     constexpr int kFirstSteps = 20;
     constexpr int kFollowingSteps = 2;
-    view.relief_steps = row == 0 ? kFirstSteps : kFollowingSteps;
+    view.relief_steps = row == rows.start ? kFirstSteps : kFollowingSteps;
     render_row(view, {.count = count,
                       .samples = samples,
                       .bearing_x = x_rows.data(),

@@ -43,11 +43,16 @@ class Renderer {
   [[nodiscard]] cv::Mat render(const Scene& scene, const RigidTransform& world_from_camera,
                                const std::optional<VehiclePlacement>& vehicle = {}) const;
 
+  /// These rows of it alone, written into `picture`.
+  void render_rows(const Scene& scene, const RigidTransform& world_from_camera,
+                   const std::optional<VehiclePlacement>& vehicle, const cv::Range& rows,
+                   cv::Mat& picture) const;
+
  private:
   void tabulate_pinhole();
   void tabulate_lens();
   void render_strip(const RenderView& frame_view, int first_column, int count,
-                    cv::Mat& picture) const;
+                    const cv::Range& rows, cv::Mat& picture) const;
 
   Camera camera_;
   int supersampling_;

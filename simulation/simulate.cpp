@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "geometry/row_time.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/develop.hpp"
 #include "simulation/procedural_ground.hpp"
@@ -76,9 +77,42 @@ Twist camera_twist(const MotionState& state, const RigidTransform& body_from_cam
       camera_from_body * state.angular_rate_in_body_rad_s};
 }
 
+// What a flight's camera sees.
+class FilmSet {
+ public:
+  FilmSet(const SimulationConfig& config, const cv::Mat& photograph)
+      : config_(config),
+        trajectory_(make_trajectory(config.flight, seed_of(config, kFlight))),
+        scene_(make_scene(config, photograph)),
+        renderer_(config.camera.lens(), config.camera.supersampling),
+        body_from_camera_(camera_raised_forward(config.camera.forward_tilt_deg)) {}
+
+  // `t_s`: of the middle row, where rows are exposed one after the other.
+  void see(double t_s, cv::Mat& picture) const {
+    const double readout_s = config_.camera.readout_s;
+    const int rows = readout_s > 0 ? 1 : picture.rows;
+    for (int row = 0; row < picture.rows; row += rows) {
+      const double now_s = readout_s > 0 ? t_s + row_time_s(readout_s, row, picture.rows) : t_s;
+      renderer_.render_rows(scene_, trajectory_.at(now_s).world_from_body * body_from_camera_,
+                            place_vehicle(config_, trajectory_, now_s), {row, row + rows}, picture);
+    }
+  }
+
+ private:
+  const SimulationConfig& config_;
+  Trajectory trajectory_;
+  Scene scene_;
+  Renderer renderer_;
+  RigidTransform body_from_camera_;
+};
+
 }  // namespace
 
 FlightRecord record_flight(const SimulationConfig& config) {
+  if (config.camera.readout_s * config.camera.frames_per_s > 1 + 1e-9) {
+    throw InputError("camera.readout_s: " + std::to_string(config.camera.readout_s) +
+                     " s are longer than a frame, 1 / camera.frames_per_s");
+  }
   const Trajectory trajectory = make_trajectory(config.flight, seed_of(config, kFlight));
   const double duration_s = config.flight.duration_s;
   FlightRecord record{
@@ -102,27 +136,17 @@ FlightRecord record_flight(const SimulationConfig& config) {
 }
 
 void film_flight(const SimulationConfig& config, const cv::Mat& photograph, const FrameSink& sink) {
-  const Trajectory trajectory = make_trajectory(config.flight, seed_of(config, kFlight));
-  const Scene scene = make_scene(config, photograph);
-  const Renderer renderer(config.camera.lens(), config.camera.supersampling);
-  const RigidTransform body_from_camera = camera_raised_forward(config.camera.forward_tilt_deg);
+  const FilmSet set(config, photograph);
   const std::uint64_t noise_seed = seed_of(config, kNoise);
   const int instants = config.camera.shutter_s > 0 ? config.camera.shutter_samples : 1;
+  cv::Mat picture(config.camera.height_px, config.camera.width_px, CV_32FC1);
 
   for (std::int64_t frame = 0; frame < frame_count(config); ++frame) {
-    cv::Mat light;
+    cv::Mat light = cv::Mat::zeros(picture.size(), CV_32FC1);
     for (int instant = 0; instant < instants; ++instant) {
       const double within = (instant + 0.5) / instants - 0.5;
-      const double t_s = time_of(config, frame) + within * config.camera.shutter_s;
-      const RigidTransform world_from_camera =
-          trajectory.at(t_s).world_from_body * body_from_camera;
-      const cv::Mat picture =
-          renderer.render(scene, world_from_camera, place_vehicle(config, trajectory, t_s));
-      if (instant == 0) {
-        light = picture;
-      } else {
-        light += picture;
-      }
+      set.see(time_of(config, frame) + within * config.camera.shutter_s, picture);
+      light += picture;
     }
     const Exposure exposure{.gain = gain_at(config, frame) / instants,
                             .noise_grey = config.camera.noise_grey};

@@ -26,6 +26,7 @@ struct SimulatedCameraConfig {
   int supersampling = 2;
   double shutter_s = 0;
   int shutter_samples = 4;
+  double readout_s = 0;
   double noise_grey = 2;
   double gain_ramp_ratio = 0;
   double flicker_ratio = 0;
@@ -45,6 +46,8 @@ struct SimulatedCameraConfig {
     field("supersampling", self.supersampling, Range{1, 4}, "samples a pixel and direction");
     field("shutter_s", self.shutter_s, kNotNegative, "time over which motion blurs; 0: none");
     field("shutter_samples", self.shutter_samples, Range{1, 64}, "instants a blurred picture");
+    field("readout_s", self.readout_s, Range{0, 0.1},
+          "rolling shutter: from the first row to the last, a frame's stamp is its middle row's");
     field("noise_grey", self.noise_grey, Range{0, 100}, "1 sigma of a pixel");
     field("gain_ramp_ratio", self.gain_ramp_ratio, Range{-0.99, 10},
           "change of exposure from the first frame to the last, 0.3: 30 % brighter");

@@ -1,55 +1,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <vector>
 
-#include "navigation/navigator.hpp"
-#include "simulation/simulate.hpp"
+#include "rendered_flight.hpp"
 
 namespace stillkite {
 namespace {
 
-// A frame is exposed in so many bands of rows, one after the other, all of the time.
-constexpr int kBands = 8;
-
-struct RolledFlight {
-  FlightRecord record;
-  double readout_s = 0;
-  std::vector<Frame> frames;  // a stamp is the middle row's
-
-  // Half way between the two instants next to the middle row's.
-  [[nodiscard]] RigidTransform truth(std::size_t frame) const {
-    const std::size_t middle = kBands * frame + kBands / 2;
-    return interpolate(record.truth[middle - 1].state.world_from_body,
-                       record.truth[middle].state.world_from_body, 0.5);
-  }
-};
-
-RolledFlight rolled_flight(SimulationConfig config) {
-  const double readout_s = 1 / config.camera.frames_per_s;
-  config.camera.frames_per_s *= kBands;
-  config.camera.noise_grey = 1;
-  RolledFlight rolled{record_flight(config), readout_s, {}};
-  const int rows = config.camera.height_px / kBands;
-  cv::Mat picture(config.camera.height_px, config.camera.width_px, CV_8U);
-  Timestamp stamp;
-  film_flight(config, {}, [&](const Frame& frame) {
-    const int band = static_cast<int>(frame.index % kBands);
-    const cv::Range range(band * rows, (band + 1) * rows);
-    frame.grey.rowRange(range).copyTo(picture.rowRange(range));
-    if (band == kBands / 2) {
-      stamp = from_seconds(to_seconds(frame.stamp) - 0.5 * readout_s / kBands);
-    }
-    if (band != kBands - 1) return;
-    rolled.frames.push_back({stamp, frame.index / kBands, picture.clone()});
-  });
-  return rolled;
-}
-
 // At 5 m/s from the first frame on, 20 m high.
-RolledFlight fast_flight() {
+SimulationConfig fast_flight() {
   SimulationConfig config;
-  config.camera.frames_per_s = 25;
+  config.camera.readout_s = 0.04;
+  config.camera.noise_grey = 1;
   config.camera.width_px = 480;
   config.camera.height_px = 360;
   config.camera.focal_x_px = config.camera.focal_y_px = 400;
@@ -62,13 +24,15 @@ RolledFlight fast_flight() {
   config.flight.turn_rate_deg_s = 20;
   config.flight.sway_m = 0;
   config.ground.side_texels = 1500;
-  return rolled_flight(config);
+  return config;
 }
 
 // From 16 cm to half a metre in a second.
-RolledFlight steep_climb() {
+SimulationConfig steep_climb() {
   SimulationConfig config;
   config.camera.frames_per_s = 60;
+  config.camera.readout_s = 0.016;
+  config.camera.noise_grey = 1;
   config.camera.width_px = 320;
   config.camera.height_px = 240;
   config.camera.focal_x_px = config.camera.focal_y_px = 350;
@@ -82,7 +46,7 @@ RolledFlight steep_climb() {
   config.flight.sway_m = 0.01;
   config.ground.metres_per_texel = 0.0005;
   config.ground.side_texels = 2000;
-  return rolled_flight(config);
+  return config;
 }
 
 struct Flown {
@@ -91,16 +55,15 @@ struct Flown {
   double speed_rmse_m_s = 0;
 };
 
-Flown flown(const RolledFlight& flight, double readout_s) {
-  Navigator navigator(flight.record.camera, flight.record.body_from_camera,
-                      {.readout_s = readout_s}, {flight.truth(0), ScaleSource::initial_height});
+Flown flown(const test::RenderedFlight& flight, double readout_s) {
+  Navigator navigator = flight.navigator({.readout_s = readout_s});
   NavigationEstimate last;
   double squared = 0;
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     last = navigator.step(flight.frames[i]);
     if (i == 0) continue;
-    const Eigen::Vector3d way = flight.truth(i).translation - flight.truth(i - 1).translation;
-    squared += (last.velocity_in_world_m_s - way / flight.readout_s).squaredNorm();
+    const Twist& truth = flight.record.twists_in_camera[i - 1].twist;
+    squared += (last.twist_in_camera.velocity_m_s - truth.velocity_m_s).squaredNorm();
   }
   EXPECT_EQ(last.verdict, Verdict::ok);
   const RigidTransform truth = flight.truth(flight.frames.size() - 1);
@@ -112,10 +75,9 @@ Flown flown(const RolledFlight& flight, double readout_s) {
 
 // The first keyframe is taken before any speed is known; its rows are late all the same.
 TEST(RollingShutter, IsUndoneFromTheFirstFrameOn) {
-  const RolledFlight flight = fast_flight();
-  ASSERT_GT(flight.frames.size(), 30u);
+  const test::RenderedFlight flight = test::film(fast_flight());
   constexpr double kWay_m = 7.5;
-  const double with = flown(flight, flight.readout_s).end_error_m;
+  const double with = flown(flight, 0.04).end_error_m;
   EXPECT_LT(with, 0.005 * kWay_m);
   EXPECT_GT(flown(flight, 0).end_error_m, 5 * with);
 }
@@ -123,13 +85,12 @@ TEST(RollingShutter, IsUndoneFromTheFirstFrameOn) {
 // Rows that are late in a climb look like a ground that is tilted, and a speed that is wrong by as
 // much as the frame's is fed back by the next one's rows.
 TEST(RollingShutter, NeitherTiltsNorShakesASteepClimb) {
-  const RolledFlight flight = steep_climb();
-  ASSERT_GT(flight.frames.size(), 50u);
-  const Flown with = flown(flight, flight.readout_s), without = flown(flight, 0);
-  EXPECT_LT(with.end_tilt_error_rad, 0.005);
+  const test::RenderedFlight flight = test::film(steep_climb());
+  const Flown with = flown(flight, 0.016), without = flown(flight, 0);
+  EXPECT_LT(with.end_tilt_error_rad, 0.001);
   EXPECT_GT(without.end_tilt_error_rad, 0.03);
-  EXPECT_LT(with.end_error_m, 0.003);
-  EXPECT_LT(with.speed_rmse_m_s, 0.01);
+  EXPECT_LT(with.end_error_m, 0.0005);
+  EXPECT_LT(with.speed_rmse_m_s, 0.003);
 }
 
 }  // namespace

@@ -95,6 +95,27 @@ TEST(Film, BlursMovingPicturesOnly) {
   EXPECT_LE(cv::norm(hovering, film(config)[5], cv::NORM_INF), 1);
 }
 
+TEST(Film, ExposesItsRowsOneAfterTheOther) {
+  SimulationConfig config = small_flight();
+  config.camera.noise_grey = 0;
+  config.flight.forward_m = 20;  // 5 pixels a frame
+  config.camera.frames_per_s = 50;
+  const std::vector<cv::Mat> at_once = film(config);
+  config.camera.frames_per_s = 25;
+  config.camera.readout_s = 0.04;
+  const cv::Mat rolled = film(config)[5];
+  const auto difference = [&](int row, int frame) {
+    return cv::norm(rolled.row(row), at_once[static_cast<std::size_t>(frame)].row(row),
+                    cv::NORM_L1) /
+           rolled.cols;
+  };
+  EXPECT_LT(difference(0, 9), 1);
+  EXPECT_LT(difference(60, 10), 1);
+  EXPECT_LT(difference(119, 11), 1);
+  EXPECT_GT(difference(0, 10), 5);
+  EXPECT_GT(difference(119, 10), 5);
+}
+
 TEST(Vehicle, CoversItsShareOfThePictureAtHalfTime) {
   SimulationConfig config = small_flight();
   config.camera.noise_grey = 0;
