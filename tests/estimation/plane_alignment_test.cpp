@@ -265,10 +265,10 @@ struct RollingClimb {
 // Both pictures are stretched alike; what is left of it looks like a tilt of the plane.
 TEST(PlaneAlignment, a_rolling_shutter_feigns_no_tilt_in_a_climb) {
   const RollingClimb climb;
-  const PlaneMotion truth = motion_between(climb.at(0), climb.at(climb.kLater_s));
+  const PlaneMotion truth = motion_between(climb.at(0), climb.at(RollingClimb::kLater_s));
   const PlaneAlignment without = climb.align_for({});
   const PlaneAlignment with =
-      climb.align_for({climb.readout_s, climb.twist(0), climb.twist(climb.kLater_s)});
+      climb.align_for({climb.readout_s, climb.twist(0), climb.twist(RollingClimb::kLater_s)});
   EXPECT_GT(without.tilt_rad.norm(), 0.03);
   EXPECT_LT(with.tilt_rad.norm(), 0.002);
   EXPECT_LT(shift_error(with.motion, truth), 1e-3);
@@ -278,7 +278,8 @@ TEST(PlaneAlignment, a_rolling_shutter_feigns_no_tilt_in_a_climb) {
 TEST(PlaneAlignment, what_a_rolling_shutter_makes_of_a_false_twist_is_foreseen) {
   const RollingClimb climb;
   const auto found_for = [&](const Vector6d& change) {
-    return climb.align_for({climb.readout_s, climb.twist(0), climb.twist(climb.kLater_s) + change});
+    return climb.align_for(
+        {climb.readout_s, climb.twist(0), climb.twist(RollingClimb::kLater_s) + change});
   };
   const PlaneAlignment found = found_for(Vector6d::Zero());
   for (int k = 0; k < 6; ++k) {
