@@ -343,6 +343,29 @@ TEST(PlaneTiles, jacobian_is_the_derivative_of_the_placement) {
   }
 }
 
+// Where all tiles are seen late, by as much, the camera itself has gone on.
+TEST(PlaneTiles, late_tiles_are_where_the_camera_sees_them_by_then) {
+  const Camera camera = lens(DistortionModel::radial_tangential);
+  const TileGrid grid = make_tile_grid(camera.width_px, camera.height_px, 16, 8);
+  const TileRays rays = make_tile_rays(camera, grid);
+  const PlaneMotion motion = motion_between(kFirst, kSecond);
+  constexpr double kLate_s = 0.01;
+  TileTimes times{.later_s = std::vector<float>(rays.x.size(), static_cast<float>(kLate_s)),
+                  .twist = {}};
+  times.twist << 1, -0.5, 2, 0.3, -0.2, 0.4;  // kFirst is a metre high
+  const RigidTransform by_then = kSecond * RigidTransform{so3_exp(kLate_s * times.twist.tail<3>()),
+                                                          kLate_s * times.twist.head<3>()};
+  const TiltAxes axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>();
+  TilePlacement late, expected;
+  TileJacobian unused;
+  place_tiles(camera, rays, motion, axes, late, unused, &times);
+  place_tiles(camera, rays, motion_between(kFirst, by_then), axes, expected, unused);
+  for (std::size_t i = 0; i < rays.x.size(); ++i) {
+    EXPECT_NEAR(late.x_px[i], expected.x_px[i], 0.01) << i;
+    EXPECT_NEAR(late.y_px[i], expected.y_px[i], 0.01) << i;
+  }
+}
+
 TEST(PlaneAlignment, narrow_vectors_find_the_same_motion) {
   const Camera camera = lens(DistortionModel::radial_tangential);
   const cv::Mat first = picture(camera, kFirst);
