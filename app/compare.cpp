@@ -112,6 +112,7 @@ void compare(const CompareArguments& arguments) {
       .interrupted = interrupted(),
       .complaint = ending.complaint};
   tell_of_ending(ending, runs.front(), out);
+  for (const EstimatorRun& run : runs) tell_of_leaning_start(run);
   std::vector<ComparedRun> compared;
   compared.reserve(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {

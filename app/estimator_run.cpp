@@ -7,6 +7,8 @@
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
 #include "app/run_evaluation.hpp"
+#include "geometry/angle.hpp"
+#include "geometry/euler.hpp"
 #include "io/output_file.hpp"
 #include "io/sensor_checks.hpp"
 
@@ -123,6 +125,23 @@ void tell_of_missing_scale(const FlightInputs& inputs) {
              inputs.sensors.imu.stamps.empty()
                  ? ""
                  : "; with estimator.policy=fused a metre from where the column scale says imu");
+}
+
+void tell_of_leaning_start(const EstimatorRun& run) {
+  if (run.estimates().empty() || !run.estimates().back().up_in_world) return;
+  constexpr double kWorthTelling_rad = 2 * kDegree;
+  const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(
+      *run.estimates().back().up_in_world, Eigen::Vector3d::UnitZ());
+  const double leans_rad = so3_log(upright).norm();
+  if (leans_rad < kWorthTelling_rad) return;
+  const EulerAngles suits = to_euler(upright * run.inputs().initial.world_from_body.rotation);
+  fmt::print(stderr,
+             "stillkite: the start's attitude as it is given is {:.1f} deg off the vertical that "
+             "the flight "
+             "shows, and so are all attitudes and heights of fused; roll {:.1f} and pitch {:.1f} "
+             "deg would "
+             "suit (initial.roll_deg, initial.pitch_deg)\n",
+             leans_rad / kDegree, suits.roll_rad / kDegree, suits.pitch_rad / kDegree);
 }
 
 void tell_of_ending(const Ending& ending, const EstimatorRun& run,

@@ -68,6 +68,9 @@ struct Ending {
 /// One line where an estimator's lengths are no metres.
 void tell_of_missing_scale(const FlightInputs& inputs);
 
+/// One line where the fusion has found that the start's attitude, which it keeps, is not level.
+void tell_of_leaning_start(const EstimatorRun& run);
+
 /// A line of what was wrong, of each sensor's log, and of a truth, that says nothing of much of the
 /// flight, and of where the results of a recording lie that did not come to its end.
 void tell_of_ending(const Ending& ending, const EstimatorRun& run,

@@ -47,6 +47,7 @@ void run(const RunArguments& arguments) {
                        .commands = estimator.commands()};
   estimator.commit();
   tell_of_ending(ending, estimator, out);
+  tell_of_leaning_start(estimator);
   const nlohmann::json summary =
       write_run_results(out, config, estimator.inputs(), estimator.estimates(), facts);
   if (ending.failure) std::rethrow_exception(ending.failure);

@@ -59,6 +59,9 @@ struct NavigationEstimate {
   RigidTransform world_from_body;
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in world
 
+  /// Unit vector, where the world is that of the first frame, whose attitude stays as it was given.
+  std::optional<Eigen::Vector3d> up_in_world;
+
   Twist twist_in_camera;  ///< filtered; with keyframes the mean over the interval, half way
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)
   std::optional<Twist> measured_twist;           ///< this frame's least squares, before the filter

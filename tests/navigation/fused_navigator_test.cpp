@@ -334,6 +334,23 @@ TEST(FusedNavigator, KnowsTheSpeedNoBetterThanItsHeight) {
   EXPECT_LT(nees / count, 4.5);
 }
 
+// The world stays the one of the first frame as it was given; what is up in it is told.
+TEST(FusedNavigator, TellsWhatIsUpThoughItsStartLeans) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  NavigatorConfig config;
+  config.fusion.flat_ground = true;
+  config.initial_tilt_sigma_rad = 0.1;
+  const Eigen::Quaterniond leaning = so3_exp({0.08, -0.05, 0});
+  InitialState start = flight.start();
+  start.world_from_body.rotation = leaning * start.world_from_body.rotation;
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, config, start,
+                      {.policy = Policy::fused});
+  NavigationEstimate last;
+  for (const Frame& frame : flight.frames) last = navigator.step(frame);
+  ASSERT_TRUE(last.up_in_world);
+  EXPECT_LT((*last.up_in_world - leaning * Eigen::Vector3d::UnitZ()).norm(), 0.005);
+}
+
 // A range finder that sees nothing tells 0.
 TEST(FusedNavigator, AHeightOfZeroIsNoReading) {
   const test::RenderedFlight& flight = test::rendered_flight();
