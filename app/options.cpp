@@ -8,6 +8,8 @@ void add_overrides(CLI::App& command, std::vector<std::string>& overrides) {
   command
       .add_option("--set", overrides,
                   "Override a key of the configuration, as key=value; may be repeated")
+      ->expected(1)
+      ->take_all()
       ->allow_extra_args(false)  // else it would take the configuration after it
       ->type_name("KEY=VALUE");
 }
