@@ -196,7 +196,8 @@ KeyframeView KeyframeNavigator::view_of(const PlaneAlignment& alignment,
   guess.normal = *normal;
   tilt.covariance = 1e-12 * Eigen::Matrix2d::Identity();
   const PlaneAlignment again = aligner_.align(current_, guess, tilt, alignment.shutter);
-  return again.solvable ? KeyframeView{again.motion, tilt.axes, again.windows_alone} : view;
+  if (judge(again) != Verdict::ok) return view;  // the normal may be far off
+  return {again.motion, tilt.axes, again.windows_alone};
 }
 
 Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {
