@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "app/interrupt.hpp"
@@ -130,18 +131,21 @@ void tell_of_missing_scale(const FlightInputs& inputs) {
 void tell_of_leaning_start(const EstimatorRun& run) {
   if (run.estimates().empty() || !run.estimates().back().up_in_world) return;
   constexpr double kWorthTelling_rad = 2 * kDegree;
-  const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(
-      *run.estimates().back().up_in_world, Eigen::Vector3d::UnitZ());
+  const NavigationEstimate& last = run.estimates().back();
+  const Eigen::Quaterniond upright =
+      Eigen::Quaterniond::FromTwoVectors(*last.up_in_world, Eigen::Vector3d::UnitZ());
   const double leans_rad = so3_log(upright).norm();
-  if (leans_rad < kWorthTelling_rad) return;
+  if (leans_rad < std::max(kWorthTelling_rad, 3 * last.up_sigma_rad)) return;
   const EulerAngles suits = to_euler(upright * run.inputs().initial.world_from_body.rotation);
-  fmt::print(stderr,
-             "stillkite: the start's attitude as it is given is {:.1f} deg off the vertical that "
-             "the flight "
-             "shows, and so are all attitudes and heights of fused; roll {:.1f} and pitch {:.1f} "
-             "deg would "
-             "suit (initial.roll_deg, initial.pitch_deg)\n",
-             leans_rad / kDegree, suits.roll_rad / kDegree, suits.pitch_rad / kDegree);
+  const char* given_by = run.config().initial.from_truth ? "the truth's first pose gives it"
+                         : run.config().attitude.path    ? "attitude.path gives it"
+                                                         : "initial.roll_deg, initial.pitch_deg";
+  fmt::print(
+      stderr,
+      "stillkite: the start's attitude is {:.1f} deg off the vertical that the flight shows, "
+      "and so are all attitudes and heights of fused; roll {:.1f} and pitch {:.1f} deg would "
+      "suit ({})\n",
+      leans_rad / kDegree, suits.roll_rad / kDegree, suits.pitch_rad / kDegree, given_by);
 }
 
 void tell_of_ending(const Ending& ending, const EstimatorRun& run,

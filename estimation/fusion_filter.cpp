@@ -215,6 +215,10 @@ Eigen::Matrix3d FusionFilter::velocity_covariance() const {
   return metric_covariance(Index::kVelocity, state_.velocity_in_world);
 }
 
+double FusionFilter::up_sigma_rad() const {
+  return std::sqrt(P_.diagonal().segment<2>(Index::kTilt).maxCoeff());
+}
+
 double FusionFilter::scale_sigma() const {
   return std::sqrt(std::max(0.0, P_(Index::kScale, Index::kScale)));
 }

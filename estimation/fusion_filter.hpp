@@ -139,6 +139,8 @@ class FusionFilter {
   }
   /// Of the logarithm of the scale: a share of every length.
   [[nodiscard]] double scale_sigma() const;
+  /// Of the vertical, about the axis of which less is known.
+  [[nodiscard]] double up_sigma_rad() const;
   /// Of the errors before the anchor's (FusionIndex).
   [[nodiscard]] OwnMatrix own_covariance() const { return P_.topLeftCorner<kOwn, kOwn>(); }
   /// Of the last step, before anything corrected it.

@@ -228,7 +228,7 @@ void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
 }
 
 // A window whose row is exposed t later is J_motion t from where the motion alone takes it, for
-// each unit of twist: A^-1 sum w J^T G J_motion t of motion makes up for it.
+// each unit of twist: A^-1 sum w J^T G J_motion t of motion makes up for it. The times are spent.
 Matrix6d PlaneAligner::motion_by_twist(const PlaneSolution& solution) {
   std::vector<float>& weights = times_.later_s;
   for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= solver_.weights()[i];

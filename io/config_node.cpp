@@ -134,7 +134,7 @@ ConfigNode read_yaml(const std::filesystem::path& file) {
   const std::string text = read_text_file(file);
   if (text.find('\0') != std::string::npos) {
     throw InputError(file.string() +
-                     ": is no text; a YAML file is needed, and a video is named in "
+                     ": is no text in UTF-8; a YAML file is needed, and a video is named in "
                      "one: source: {path: VIDEO}");
   }
   return parse_yaml(text, file.string(), std::filesystem::absolute(file).parent_path());

@@ -208,7 +208,8 @@ Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {
   if (alignment.ground_ratio < trust.min_ground_ratio) return Verdict::horizon;
   const bool follows = alignment.correlation >= trust.min_correlation &&
                        alignment.last_update_px < trust.max_last_update_px &&
-                       alignment.covariance.allFinite() && height_ratio(alignment.motion) > kLowest;
+                       alignment.covariance.allFinite() && alignment.motion_by_twist.allFinite() &&
+                       height_ratio(alignment.motion) > kLowest;
   if (!follows) {
     return is_bare(coarse(current_)) ? Verdict::too_little_texture : Verdict::lost;
   }

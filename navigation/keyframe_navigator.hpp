@@ -31,8 +31,9 @@ class KeyframeNavigator {
   /// Of the last frame; empty where nothing was aligned.
   [[nodiscard]] std::vector<WindowFlow> windows() const;
 
-  /// What the last frame showed of the motion since the keyframe, before any filter, linearised
-  /// about the normal that was hinted at; nothing where its verdict is not ok.
+  /// What the last frame showed of the motion since the keyframe, before any filter, about a normal
+  /// near enough to the one that was hinted at for first order; nothing where its verdict is not
+  /// ok.
   [[nodiscard]] const std::optional<KeyframeView>& view() const { return view_; }
 
  private:

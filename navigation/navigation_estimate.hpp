@@ -61,6 +61,7 @@ struct NavigationEstimate {
 
   /// Unit vector, where the world is that of the first frame, whose attitude stays as it was given.
   std::optional<Eigen::Vector3d> up_in_world;
+  double up_sigma_rad = 0;
 
   Twist twist_in_camera;  ///< filtered; with keyframes the mean over the interval, half way
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)

@@ -83,9 +83,10 @@ TEST(KeyframeNavigator, SearchesAPictureOnlyWhereItMay) {
     KeyframeNavigator navigator(flight.record.camera, flight.record.body_from_camera, {},
                                 flight.start());
     FrameClock clock(1);
-    (void)navigator.step(flight.frames[0], clock.pass(flight.frames[0]), {}, {.may_search = may_search});
-    const NavigationEstimate second =
-        navigator.step(flight.frames[1], clock.pass(flight.frames[1]), {}, {.may_search = may_search});
+    (void)navigator.step(flight.frames[0], clock.pass(flight.frames[0]), {},
+                         {.may_search = may_search});
+    const NavigationEstimate second = navigator.step(flight.frames[1], clock.pass(flight.frames[1]),
+                                                     {}, {.may_search = may_search});
     EXPECT_EQ(second.verdict == Verdict::ok, may_search) << name_of(second.verdict);
   }
 }

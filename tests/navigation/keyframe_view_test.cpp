@@ -39,6 +39,9 @@ TEST(KeyframeView, TellsTheMotionForTheNormalThatIsHintedAt) {
   };
   EXPECT_LT(turn_error_rad({.may_search = true, .normal = truth.normal}), 1e-4);
   EXPECT_GT(turn_error_rad({}), 1e-3);
+  // what no alignment suits is left as it was
+  const Eigen::Vector3d nonsense = so3_exp({0.9, 0, 0}) * truth.normal;
+  EXPECT_EQ(turn_error_rad({.may_search = true, .normal = nonsense}), turn_error_rad({}));
 }
 
 }  // namespace
