@@ -92,7 +92,7 @@ class FilmSet {
     const double readout_s = config_.camera.readout_s;
     const int rows = readout_s > 0 ? 1 : picture.rows;
     for (int row = 0; row < picture.rows; row += rows) {
-      const double now_s = readout_s > 0 ? t_s + row_time_s(readout_s, row, picture.rows) : t_s;
+      const double now_s = t_s + row_time_s(readout_s, row, picture.rows);
       renderer_.render_rows(scene_, trajectory_.at(now_s).world_from_body * body_from_camera_,
                             place_vehicle(config_, trajectory_, now_s), {row, row + rows}, picture);
     }

@@ -7,16 +7,21 @@
 namespace stillkite {
 namespace {
 
+SimulationConfig rolling_camera(int width_px, int height_px, double focal_px, double readout_s) {
+  SimulationConfig config;
+  config.camera.width_px = width_px;
+  config.camera.height_px = height_px;
+  config.camera.focal_x_px = config.camera.focal_y_px = focal_px;
+  config.camera.centre_x_px = 0.5 * (width_px - 1);
+  config.camera.centre_y_px = 0.5 * (height_px - 1);
+  config.camera.readout_s = readout_s;
+  config.camera.noise_grey = 1;
+  return config;
+}
+
 // At 5 m/s from the first frame on, 20 m high.
 SimulationConfig fast_flight() {
-  SimulationConfig config;
-  config.camera.readout_s = 0.04;
-  config.camera.noise_grey = 1;
-  config.camera.width_px = 480;
-  config.camera.height_px = 360;
-  config.camera.focal_x_px = config.camera.focal_y_px = 400;
-  config.camera.centre_x_px = 239.5;
-  config.camera.centre_y_px = 179.5;
+  SimulationConfig config = rolling_camera(480, 360, 400, 0.04);
   config.flight.duration_s = 1.5;
   config.flight.height_m = 20;
   config.flight.shape = FlightShape::turn;
@@ -29,15 +34,8 @@ SimulationConfig fast_flight() {
 
 // From 16 cm to half a metre in a second.
 SimulationConfig steep_climb() {
-  SimulationConfig config;
+  SimulationConfig config = rolling_camera(320, 240, 350, 0.016);
   config.camera.frames_per_s = 60;
-  config.camera.readout_s = 0.016;
-  config.camera.noise_grey = 1;
-  config.camera.width_px = 320;
-  config.camera.height_px = 240;
-  config.camera.focal_x_px = config.camera.focal_y_px = 350;
-  config.camera.centre_x_px = 159.5;
-  config.camera.centre_y_px = 119.5;
   config.flight.duration_s = 1;
   config.flight.height_m = 0.16;
   config.flight.forward_m = 0.1;
