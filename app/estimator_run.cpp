@@ -76,8 +76,10 @@ void EstimatorRun::step(const Frame& frame) {
       .others = readings_between(inputs_.sensors, before_.value_or(frame.stamp), frame.stamp)};
   before_ = frame.stamp;
   const RunClock::time_point start = RunClock::now();
-  const PilotStep step = pilot_.step(frame, readings);
+  PilotStep step = pilot_.step(frame, readings);
   frame_ms_.push_back(std::chrono::duration<float, std::milli>(RunClock::now() - start).count());
+  upright_ = step.estimate.upright;
+  if (!config_.initial.from_truth) step.estimate = told_upright(std::move(step.estimate));
   files_->estimates.add(step.estimate);
   if (files_->commands) files_->commands->add(frame.stamp, step.decision);
   if (files_->overlay) files_->overlay->add(frame, step.estimate, pilot_.windows());
@@ -129,23 +131,22 @@ void tell_of_missing_scale(const FlightInputs& inputs) {
 }
 
 void tell_of_leaning_start(const EstimatorRun& run) {
-  if (run.estimates().empty() || !run.estimates().back().up_in_world) return;
+  if (!run.upright()) return;
   constexpr double kWorthTelling_rad = 2 * kDegree;
-  const NavigationEstimate& last = run.estimates().back();
-  const Eigen::Quaterniond upright =
-      Eigen::Quaterniond::FromTwoVectors(*last.up_in_world, Eigen::Vector3d::UnitZ());
-  const double leans_rad = so3_log(upright).norm();
-  if (leans_rad < std::max(kWorthTelling_rad, 3 * last.up_sigma_rad)) return;
-  const EulerAngles suits = to_euler(upright * run.inputs().initial.world_from_body.rotation);
-  const char* given_by = run.config().initial.from_truth ? "the truth's first pose gives it"
-                         : run.config().attitude.path    ? "attitude.path gives it"
-                                                         : "initial.roll_deg, initial.pitch_deg";
+  const Eigen::Quaterniond& turn = run.upright()->upright_from_world.rotation;
+  const double leans_rad = so3_log(turn).norm();
+  if (leans_rad < std::max(kWorthTelling_rad, 3 * run.upright()->sigma_rad)) return;
+  const EulerAngles suits = to_euler(turn * run.inputs().initial.world_from_body.rotation);
+  const bool is_by_truth = run.config().initial.from_truth;
+  const char* given_by = is_by_truth                  ? "the truth's first pose gives it"
+                         : run.config().attitude.path ? "attitude.path gives it"
+                                                      : "initial.roll_deg, initial.pitch_deg";
   fmt::print(
       stderr,
-      "stillkite: the start's attitude is {:.1f} deg off the vertical that the flight shows, "
-      "and so are all attitudes and heights of fused; roll {:.1f} and pitch {:.1f} deg would "
-      "suit ({})\n",
-      leans_rad / kDegree, suits.roll_rad / kDegree, suits.pitch_rad / kDegree, given_by);
+      "stillkite: the start's attitude is {:.1f} deg off the vertical that the flight shows; "
+      "fused tells its poses {}; roll {:.1f} and pitch {:.1f} deg would suit ({})\n",
+      leans_rad / kDegree, is_by_truth ? "in the truth's world all the same" : "by that vertical",
+      suits.roll_rad / kDegree, suits.pitch_rad / kDegree, given_by);
 }
 
 void tell_of_ending(const Ending& ending, const EstimatorRun& run,

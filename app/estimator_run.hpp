@@ -34,7 +34,10 @@ class EstimatorRun {
 
   [[nodiscard]] const RunConfig& config() const { return config_; }
   [[nodiscard]] const FlightInputs& inputs() const { return inputs_; }
+  /// In a world whose z is up, or the truth's where they start from the truth.
   [[nodiscard]] const std::vector<NavigationEstimate>& estimates() const;
+  /// What the last one had found to be upright.
+  [[nodiscard]] const std::optional<UprightWorld>& upright() const { return upright_; }
   [[nodiscard]] std::span<const float> frame_ms() const { return frame_ms_; }
   [[nodiscard]] std::optional<CommandCounts> commands() const;
 
@@ -51,6 +54,7 @@ class EstimatorRun {
   std::filesystem::path folder_;
   std::optional<Files> files_;
   std::optional<Timestamp> before_;
+  std::optional<UprightWorld> upright_;
   std::vector<float> frame_ms_;
 };
 
@@ -68,7 +72,7 @@ struct Ending {
 /// One line where an estimator's lengths are no metres.
 void tell_of_missing_scale(const FlightInputs& inputs);
 
-/// One line where the fusion has found that the start's attitude, which it keeps, is not level.
+/// One line where the fusion has found that the start's attitude was not as it was given.
 void tell_of_leaning_start(const EstimatorRun& run);
 
 /// A line of what was wrong, of each sensor's log, and of a truth, that says nothing of much of the

@@ -9,6 +9,13 @@ namespace {
 
 using Index = FusionIndex;
 
+// Of what changes by the errors as J has it.
+template <int kRows>
+Eigen::Matrix<double, kRows, kRows> covariance_of(
+    const Eigen::Matrix<double, kRows, Index::kLandmarks>& J, const Eigen::MatrixXd& P) {
+  return J * P.topLeftCorner<Index::kLandmarks, Index::kLandmarks>() * J.transpose();
+}
+
 }  // namespace
 
 FusionFilter::FusionFilter(const FusionConfig& config, const FusionStart& start)
@@ -151,14 +158,6 @@ Eigen::Vector3d FusionFilter::velocity_in_world_m_s() const {
   return std::exp(state_.log_scale) * state_.velocity_in_world;
 }
 
-// Of exp(log_scale) * value.
-Eigen::Matrix3d FusionFilter::metric_covariance(int first, const Eigen::Vector3d& value) const {
-  const Eigen::Vector3d cross = P_.block<3, 1>(first, Index::kScale);
-  return std::exp(2 * state_.log_scale) *
-         (P_.block<3, 3>(first, first) + cross * value.transpose() + value * cross.transpose() +
-          P_(Index::kScale, Index::kScale) * value * value.transpose());
-}
-
 Eigen::Vector3d FusionFilter::step_m() const {
   return std::exp(state_.log_scale) * (state_.world_from_camera.translation - state_.step_start);
 }
@@ -173,18 +172,42 @@ Eigen::Matrix3d FusionFilter::step_covariance() const {
   J.middleCols<3>(Index::kPosition).diagonal().setConstant(s);
   J.middleCols<3>(Index::kStepStart).diagonal().setConstant(-s);
   J.col(Index::kScale) = s * way;
-  return J * P_.topLeftCorner<Index::kLandmarks, Index::kLandmarks>() * J.transpose();
+  return covariance_of(J, P_);
+}
+
+// d(translation in m, rotation vector) by the errors, world axes.
+FusionFilter::PoseRows FusionFilter::pose_rows() const {
+  PoseRows J = PoseRows::Zero();
+  J.block<3, 3>(0, Index::kPosition).diagonal().setConstant(std::exp(state_.log_scale));
+  J.block<3, 1>(0, Index::kScale) = world_from_camera_m().translation - start_m_;
+  J.block<3, 3>(3, Index::kRotation).setIdentity();
+  return J;
 }
 
 Matrix6d FusionFilter::pose_covariance() const {
-  const Eigen::Vector3d way = state_.world_from_camera.translation - start_in_world_;
-  const Eigen::Matrix3d cross =
-      std::exp(state_.log_scale) * (P_.block<3, 3>(Index::kPosition, Index::kRotation) +
-                                    way * P_.block<1, 3>(Index::kScale, Index::kRotation));
-  Matrix6d C;
-  C << metric_covariance(Index::kPosition, way), cross, cross.transpose(),
-      P_.block<3, 3>(Index::kRotation, Index::kRotation);
-  return C;
+  return covariance_of(pose_rows(), P_);
+}
+
+RigidTransform FusionFilter::upright_from_world() const {
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(up(state_), Eigen::Vector3d::UnitZ());
+  return {turn, start_m_ - turn * start_m_};
+}
+
+// With u the vertical, e_u its error and U the turn that takes u to z: the true one is U exp(-l),
+// l = u x e_u / u^2. So turns err by U (e - l), and a way w by U (e_w + [w]x l).
+Matrix6d FusionFilter::upright_pose_covariance() const {
+  const Eigen::Vector3d u = up(state_);
+  Eigen::Matrix<double, 3, 2> u_by_tilt;
+  u_by_tilt << 0, 1, -1, 0, 0, 0;
+  const Eigen::Matrix<double, 3, 2> lean = skew(u) * u_by_tilt / u.squaredNorm();
+  PoseRows J = pose_rows();
+  J.block<3, 2>(0, Index::kTilt) = skew(world_from_camera_m().translation - start_m_) * lean;
+  J.block<3, 2>(3, Index::kTilt) = -lean;
+  const Eigen::Matrix3d U = upright_from_world().rotation.toRotationMatrix();
+  J.topRows<3>() = (U * J.topRows<3>()).eval();
+  J.bottomRows<3>() = (U * J.bottomRows<3>()).eval();
+  return covariance_of(J, P_);
 }
 
 RigidTransform FusionFilter::anchor_from_camera_m() const {
@@ -200,19 +223,22 @@ Matrix6d FusionFilter::anchored_covariance() const {
   const Eigen::Matrix3d R_t = anchor.rotation.conjugate().toRotationMatrix();
   const Eigen::Matrix3d in_m = std::exp(state_.log_scale) * R_t;
   const Eigen::Vector3d way = state_.world_from_camera.translation - anchor.translation;
-  Eigen::Matrix<double, 6, Index::kKeyframeRotation> J;
-  J.setZero();
+  PoseRows J = PoseRows::Zero();
   J.block<3, 3>(0, Index::kPosition) = in_m;
   J.block<3, 3>(0, Index::kAnchorPosition) = -in_m;
   J.block<3, 3>(0, Index::kAnchorRotation) = in_m * skew(way);
   J.block<3, 1>(0, Index::kScale) = in_m * way;
   J.block<3, 3>(3, Index::kRotation) = R_t;
   J.block<3, 3>(3, Index::kAnchorRotation) = -R_t;
-  return J * P_.topLeftCorner<Index::kKeyframeRotation, Index::kKeyframeRotation>() * J.transpose();
+  return covariance_of(J, P_);
 }
 
 Eigen::Matrix3d FusionFilter::velocity_covariance() const {
-  return metric_covariance(Index::kVelocity, state_.velocity_in_world);
+  Eigen::Matrix<double, 3, Index::kLandmarks> J;
+  J.setZero();
+  J.middleCols<3>(Index::kVelocity).diagonal().setConstant(std::exp(state_.log_scale));
+  J.col(Index::kScale) = velocity_in_world_m_s();
+  return covariance_of(J, P_);
 }
 
 double FusionFilter::up_sigma_rad() const {

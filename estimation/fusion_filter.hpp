@@ -128,6 +128,10 @@ class FusionFilter {
   [[nodiscard]] Eigen::Matrix3d step_covariance() const;
   /// Of (translation in m, rotation vector), world axes, from the first frame.
   [[nodiscard]] Matrix6d pose_covariance() const;
+  /// By the least turn about the first frame's place to where the vertical is z; metres.
+  [[nodiscard]] RigidTransform upright_from_world() const;
+  /// The same of the pose in that upright world, in its axes, with the vertical's error.
+  [[nodiscard]] Matrix6d upright_pose_covariance() const;
   /// (m/s)^2, world axes.
   [[nodiscard]] Eigen::Matrix3d velocity_covariance() const;
   /// Metres; the covariance of (translation, rotation vector) in the anchor's axes.
@@ -150,6 +154,7 @@ class FusionFilter {
   // d(rotation, position, velocity) by the errors before, and what noise adds to them
   using Transition = Eigen::Matrix<double, 9, FusionIndex::kAnchorRotation>;
   using Matrix9d = Eigen::Matrix<double, 9, 9>;
+  using PoseRows = Eigen::Matrix<double, 6, FusionIndex::kLandmarks>;
   // 1. State and covariance.
   [[nodiscard]] int size() const;
   Eigen::Vector3d counted_gain(const Eigen::Vector3d& gain_m_s, double dt_s);
@@ -162,7 +167,7 @@ class FusionFilter {
   [[nodiscard]] Eigen::VectorXd ways() const;
   void add_scale_error(const Eigen::VectorXd& times);
   [[nodiscard]] Eigen::Matrix3d way_covariance() const;
-  [[nodiscard]] Eigen::Matrix3d metric_covariance(int first, const Eigen::Vector3d& value) const;
+  [[nodiscard]] PoseRows pose_rows() const;
   // 2. Which landmarks there are.
   [[nodiscard]] int most_landmarks() const { return config_.landmarks * 3 / 2; }
   [[nodiscard]] bool needs_guesses() const;

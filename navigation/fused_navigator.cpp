@@ -286,8 +286,9 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict,
   const RigidTransform world_from_camera = filter_.world_from_camera_m();
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
   out.pose_covariance = filter_.pose_covariance();
-  out.up_in_world = up(filter_.state()).normalized();
-  out.up_sigma_rad = filter_.up_sigma_rad();
+  out.upright = {.upright_from_world = filter_.upright_from_world(),
+                 .pose_covariance = filter_.upright_pose_covariance(),
+                 .sigma_rad = filter_.up_sigma_rad()};
   out.velocity_in_world_m_s = world_from_half_way() * velocity_in_camera.mean;
   out.twist_in_camera = {velocity_in_camera.mean, rate_in_camera_rad_s_};
   out.twist_covariance.topLeftCorner<3, 3>() = velocity_in_camera.covariance;

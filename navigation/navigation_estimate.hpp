@@ -48,6 +48,13 @@ struct ReferenceReport {
   double residual_px = 0;  ///< robust standard deviation of the inliers from it
 };
 
+/// What is upright where the world is that of the first frame, whose pose stays as it was given.
+struct UprightWorld {
+  RigidTransform upright_from_world;  ///< by the least turn, about the camera's place at the start
+  Matrix6d pose_covariance = Matrix6d::Zero();  ///< of the pose there, in its axes
+  double sigma_rad = 0;  ///< of the vertical, about the axis of which less is known
+};
+
 /// What one frame tells: the state at its stamp. Without any height (`scale` is none) every metre
 /// below is one initial height over the ground.
 struct NavigationEstimate {
@@ -59,9 +66,7 @@ struct NavigationEstimate {
   RigidTransform world_from_body;
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in world
 
-  /// Unit vector, where the world is that of the first frame, whose attitude stays as it was given.
-  std::optional<Eigen::Vector3d> up_in_world;
-  double up_sigma_rad = 0;
+  std::optional<UprightWorld> upright;  ///< where the world itself need not be
 
   Twist twist_in_camera;  ///< filtered; with keyframes the mean over the interval, half way
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)
@@ -75,5 +80,17 @@ struct NavigationEstimate {
   std::optional<ReferenceReport> reference;    ///< where the reference estimator ran
   std::array<double, kStageCount> stage_ms{};  ///< by Stage
 };
+
+/// The same in a world whose z is up: the fusion's pose, its covariance and the velocity turned as
+/// `upright` has it; one whose world is upright by itself stays as it is.
+[[nodiscard]] inline NavigationEstimate told_upright(NavigationEstimate estimate) {
+  if (!estimate.upright) return estimate;
+  const RigidTransform& upright_from_world = estimate.upright->upright_from_world;
+  estimate.world_from_body = upright_from_world * estimate.world_from_body;
+  estimate.velocity_in_world_m_s = upright_from_world.rotation * estimate.velocity_in_world_m_s;
+  estimate.pose_covariance = estimate.upright->pose_covariance;
+  estimate.upright.reset();
+  return estimate;
+}
 
 }  // namespace stillkite

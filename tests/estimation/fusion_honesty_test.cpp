@@ -123,6 +123,28 @@ TEST(FusionFilter, GuessesOfALaterMapDoNotTellItsScale) {
   EXPECT_LT(most(nees_by_second(scene, config, 20)), 8);
 }
 
+// The start leans by more than gravity leaves open: the upright pose heals, the other cannot.
+TEST(FusionFilter, CovarianceOfTheUprightPoseIsHonestWhereTheStartLeans) {
+  FusionScene scene;
+  scene.sway_m = 1;
+  scene.lean_sigma_rad = 0.05;
+  double as_told = 0, upright = 0;
+  constexpr int kSeeds = 60;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    FusionSimulation flight(scene, few_landmarks(), static_cast<std::uint64_t>(seed) + 100);
+    while (flight.time_s() < 5) flight.step();
+    const Vector6d error = flight.upright_pose_error();
+    const Matrix6d P = flight.filter().upright_pose_covariance();
+    EXPECT_LT(error.tail<3>().norm(), 0.03) << seed;
+    upright += error.dot(P.ldlt().solve(error)) / kSeeds;
+    as_told += nees_of(flight) / kSeeds;
+  }
+  std::printf("NEES %.2f, as told %.0f\n", upright, as_told);
+  EXPECT_GT(as_told, 1000);
+  EXPECT_GT(upright, 4.9);  // 99 % of means of 60 by six degrees of freedom
+  EXPECT_LT(upright, 7.2);
+}
+
 TEST(FusionFilter, CovarianceIsHonestWithTheFlow) {
   FusionScene scene;
   scene.has_imu = false;

@@ -19,6 +19,19 @@ Eigen::Vector3d gravity() {
   return {0, 0, -9.80665};
 }
 
+FusionStart start_of(const FusionScene& scene, std::uint64_t seed) {
+  FusionStart start{.world_from_camera = looking_ahead(),
+                    .velocity_sigma = scene.velocity_sigma_m_s,
+                    .log_unit_sigma = scene.log_unit_sigma};
+  if (scene.lean_sigma_rad == 0) return start;
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> lean_rad(0, scene.lean_sigma_rad);
+  const Eigen::Vector3d lean(lean_rad(engine), lean_rad(engine), 0);
+  start.world_from_camera.rotation = so3_exp(lean) * start.world_from_camera.rotation;
+  start.tilt_sigma_rad = scene.lean_sigma_rad;
+  return start;
+}
+
 }  // namespace
 
 FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig& config,
@@ -26,7 +39,7 @@ FusionSimulation::FusionSimulation(const FusionScene& scene, const FusionConfig&
     : scene_(scene),
       config_(config),
       engine_(seed * 7919 + 17),
-      filter_(config, {looking_ahead(), scene.velocity_sigma_m_s, scene.log_unit_sigma}) {
+      filter_(config, start_of(scene, seed)) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 3; ++i) {
     sway_phase_[i] = 3 * uniform(engine_);
@@ -201,7 +214,14 @@ void FusionSimulation::see_ground() {
 }
 
 Vector6d FusionSimulation::pose_error() const {
-  const RigidTransform estimate = filter_.world_from_camera_m();
+  return error_of(filter_.world_from_camera_m());
+}
+
+Vector6d FusionSimulation::upright_pose_error() const {
+  return error_of(filter_.upright_from_world() * filter_.world_from_camera_m());
+}
+
+Vector6d FusionSimulation::error_of(const RigidTransform& estimate) const {
   const RigidTransform true_pose = truth().world_from_camera;
   Vector6d error;
   error << true_pose.translation - estimate.translation,

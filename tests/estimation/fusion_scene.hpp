@@ -24,6 +24,7 @@ struct FusionScene {
   double stray_px = 0;  ///< each is off to its own side by that, a tenth of its depth away
   double focal_px = 480;
   double velocity_sigma_m_s = 1e-3;   ///< at the start, as the filter is told; it is at rest
+  double lean_sigma_rad = 0;          ///< of its roll and pitch at the start, as the filter is told
   double log_unit_sigma = 0;          ///< as the filter is told
   double inverse_depth_spread = 0.5;  ///< 1 sigma, of the landmarks' over their guess
   double scale_error_log = 0;         ///< the landmarks' guesses are off by that, all alike
@@ -98,9 +99,12 @@ class FusionSimulation {
   [[nodiscard]] double time_s() const { return time_s_; }
   /// (translation, rotation vector) of the true pose from the estimate, world axes.
   [[nodiscard]] Vector6d pose_error() const;
+  /// The same from the estimate in its upright world.
+  [[nodiscard]] Vector6d upright_pose_error() const;
 
  private:
   [[nodiscard]] FusionTruth truth_at(double t_s) const;
+  [[nodiscard]] Vector6d error_of(const RigidTransform& estimate) const;
   void see_ground();
   [[nodiscard]] std::vector<FeatureView> landmark_views();
   Eigen::Vector2d window_error_px(std::size_t i);

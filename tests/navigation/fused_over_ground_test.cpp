@@ -131,8 +131,8 @@ TEST(FusedNavigator, KnowsTheSpeedNoBetterThanItsHeight) {
   EXPECT_LT(nees / count, 4.5);
 }
 
-// The world stays the one of the first frame as it was given; what is up in it is told.
-TEST(FusedNavigator, TellsWhatIsUpThoughItsStartLeans) {
+// The world stays the one of the first frame as it was given; what is upright is told.
+TEST(FusedNavigator, TellsWhatIsUprightThoughItsStartLeans) {
   const test::RenderedFlight& flight = test::rendered_flight();
   NavigatorConfig config;
   config.fusion.flat_ground = true;
@@ -144,8 +144,16 @@ TEST(FusedNavigator, TellsWhatIsUpThoughItsStartLeans) {
                       {.policy = Policy::fused});
   NavigationEstimate last;
   for (const Frame& frame : flight.frames) last = navigator.step(frame);
-  ASSERT_TRUE(last.up_in_world);
-  EXPECT_LT((*last.up_in_world - leaning * Eigen::Vector3d::UnitZ()).norm(), 0.005);
+  ASSERT_TRUE(last.upright);
+  const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
+  const NavigationEstimate upright = told_upright(last);
+  EXPECT_GT(angle_between_rad(last.world_from_body.rotation, truth.rotation), 0.09);
+  EXPECT_LT(angle_between_rad(upright.world_from_body.rotation, truth.rotation), 0.005);
+  EXPECT_LT((upright.world_from_body.translation - truth.translation).norm(), 0.1);
+  EXPECT_LT((last.world_from_body.rotation.conjugate() * last.velocity_in_world_m_s -
+             upright.world_from_body.rotation.conjugate() * upright.velocity_in_world_m_s)
+                .norm(),
+            1e-9);
 }
 
 // A range finder that sees nothing tells 0.
