@@ -53,10 +53,11 @@ Reader open_reader(const SourceConfig& config) {
     if (fs::is_regular_file(path) && fs::file_size(path) == 0) {
       throw InputError(path.string() + ": the file is empty");
     }
+    if (config.bits) throw InputError("source.bits: a video tells by itself how bright it is");
     return VideoReader(path, config.start_s, config.rate_hz);
   }
   if (const auto dataset = find_euroc_dataset(path)) {
-    return ImageSequence(images_between(read_image_list(dataset->images_csv), config));
+    return ImageSequence(images_between(read_image_list(dataset->images_csv), config), config.bits);
   }
   const bool has_rate = config.rate_hz.has_value();
   std::vector<StampedImage> images = list_images(path, has_rate ? *config.rate_hz : 1.0);
@@ -65,7 +66,7 @@ Reader open_reader(const SourceConfig& config) {
                      ": pictures without stamps; give their frames per second as "
                      "source.rate_hz");
   }
-  return ImageSequence(images_between(std::move(images), config));
+  return ImageSequence(images_between(std::move(images), config), config.bits);
 }
 
 std::optional<std::int64_t> expected_frames(const Reader& reader, const SourceConfig& config) {

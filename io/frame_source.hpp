@@ -16,6 +16,7 @@ struct SourceConfig {
   double start_s = 0;
   std::optional<double> end_s;
   std::optional<double> rate_hz;
+  std::optional<int> bits;
 
   static void fields(auto& self, auto&& field) {
     field("path", self.path, "a video, a EuRoC data set, or a folder of pictures");
@@ -23,6 +24,8 @@ struct SourceConfig {
     field("end_s", self.end_s, kPositive, "leave out what is after");
     field("rate_hz", self.rate_hz, kPositive,
           "frames per second of pictures without stamps; replaces a video's own stamps");
+    field("bits", self.bits, Range{8, 16},
+          "of a pixel that are used, where picture files of 16 bits hold 10, 12 or 14");
   }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "io/euroc_dataset.hpp"
@@ -7,21 +8,28 @@
 
 namespace stillkite {
 
-/// Reads pictures from files, as grey. A file's rotation mark is ignored, as in VideoReader.
+/// Reads pictures from files, as grey of 8 bits. A file's rotation mark is ignored, as in
+/// VideoReader.
 class ImageSequence {
  public:
-  explicit ImageSequence(std::vector<StampedImage> images) : images_(std::move(images)) {}
+  /// Of pictures of 16 bits a pixel the lowest `bits` are used; without a word of it all of them.
+  ImageSequence(std::vector<StampedImage> images, std::optional<int> bits)
+      : images_(std::move(images)), bits_(bits) {}
 
   /// The next picture, in `recycled` if that has its size. Throws InputError if the pictures change
-  /// their size.
+  /// their size, or seem to use fewer bits than they are told to.
   [[nodiscard]] ReadResult read(cv::Mat recycled);
 
   [[nodiscard]] std::size_t count() const { return images_.size(); }
 
  private:
+  cv::Mat to_8_bits(const StampedImage& image, cv::Mat recycled);
+
   std::vector<StampedImage> images_;
+  std::optional<int> bits_;  // that are used, of 16
   std::size_t at_ = 0;
   cv::Size size_;
+  cv::Mat deep_;                      // a picture of 16 bits
   std::vector<unsigned char> bytes_;  // of one file
 };
 

@@ -126,6 +126,9 @@ TEST(FrameSource, DamageInTheMiddleIsNotFatal) {
 
 TEST(FrameSource, MessagesNameTheFileAndTheRemedy) {
   const TemporaryFolder folder;
+  const fs::path video = write_video(folder.path() / "v.mp4", 2);
+  EXPECT_EQ(input_error_of(folder, [&] { FrameSource({.path = video, .bits = 12}); }),
+            "source.bits: a video tells by itself how bright it is");
   const auto error = [&](const fs::path& path) {
     return input_error_of(folder, [&] { FrameSource({.path = path}); });
   };
@@ -158,6 +161,35 @@ TEST(FrameSource, AFolderOfPicturesIsReadInTheOrderOfItsNumbers) {
     EXPECT_EQ(frames[i].stamp, from_seconds(0.25 * i));
     EXPECT_EQ(brightness(frames[i]), 40 + 2 * i);
   }
+}
+
+// Most cameras of more than 8 bits fill but the lowest 10, 12 or 14 of 16.
+TEST(FrameSource, PicturesOf16BitsAreReadByTheBitsThatTheyUse) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 3; ++i) {
+    cv::Mat deep(96, 160, CV_16UC1, cv::Scalar(16 * (100 + i)));
+    deep.at<unsigned short>(0, 0) = 4095;
+    cv::imwrite((folder.path() / fmt::format("{}.png", i)).string(), deep);
+  }
+  FrameSource source({.path = folder.path(), .rate_hz = 20, .bits = 12});
+  const std::vector<Frame> frames = read_all(source);
+  ASSERT_EQ(frames.size(), 3);
+  for (int i = 0; i < 3; ++i) {
+    const Frame& frame = frames[static_cast<std::size_t>(i)];
+    EXPECT_EQ(frame.grey.type(), CV_8UC1);
+    EXPECT_EQ(frame.grey.at<unsigned char>(50, 50), 100 + i);
+    EXPECT_EQ(frame.grey.at<unsigned char>(0, 0), 255);
+  }
+  EXPECT_EQ(
+      input_error_of(folder, [&] { FrameSource({.path = folder.path(), .rate_hz = 20}); }),
+      "0.png: of 16 bits a pixel, but none is brighter than 4095; give the bits that the camera "
+      "uses as source.bits (12, or 16 if the scene is as dark as that)");
+  cv::imwrite((folder.path() / "8.bmp").string(), picture(0));
+  const SourceConfig late{.path = folder.path(), .start_s = 0.14, .rate_hz = 20, .bits = 12};
+  EXPECT_EQ(input_error_of(folder, [&] { FrameSource{late}; }),
+            "8.bmp: of 8 bits a pixel; source.bits is for pictures of 16");
+  FrameSource all({.path = folder.path(), .rate_hz = 20, .bits = 16});
+  EXPECT_EQ(read_all(all).front().grey.at<unsigned char>(50, 50), 6);
 }
 
 class EurocSource : public testing::Test {
