@@ -207,8 +207,11 @@ std::optional<std::string> FrameSource::complaint() const {
   }
   const std::string path = s.config.path.string();
   if (s.undecodable > 0) {
-    add(fmt::format("{}: {} of {} pictures cannot be decoded and are left out", path, s.undecodable,
-                    s.read));
+    add(fmt::format("{}: {} of {} pictures cannot be decoded and are left out{}", path,
+                    s.undecodable, s.read,
+                    video == nullptr ? ""
+                                     : " (those predicted from them are damaged, too, and what is "
+                                       "estimated there is worse than it claims)"));
   }
   if (s.out_of_turn > 0) {
     add(fmt::format("{}: {} of {} pictures are not later than the one before and are left out",

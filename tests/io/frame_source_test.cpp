@@ -122,6 +122,9 @@ TEST(FrameSource, DamageInTheMiddleIsNotFatal) {
   EXPECT_GT(n, 40u);
   EXPECT_LT(n, static_cast<std::size_t>(kFrames));
   EXPECT_EQ(source.read() - source.rejected(), static_cast<std::int64_t>(n));
+  ASSERT_TRUE(source.complaint());
+  EXPECT_NE(source.complaint()->find("those predicted from them are damaged, too"),
+            std::string::npos);
 }
 
 TEST(FrameSource, MessagesNameTheFileAndTheRemedy) {
