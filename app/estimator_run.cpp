@@ -144,8 +144,9 @@ void tell_of_leaning_start(const EstimatorRun& run) {
   fmt::print(
       stderr,
       "stillkite: the start's attitude is {:.1f} deg off the vertical that the flight shows; "
-      "fused tells its poses {}; roll {:.1f} and pitch {:.1f} deg would suit ({})\n",
-      leans_rad / kDegree, is_by_truth ? "in the truth's world all the same" : "by that vertical",
+      "{} tells its poses {}; roll {:.1f} and pitch {:.1f} deg would suit ({})\n",
+      leans_rad / kDegree, name_of(run.config().estimator.policy),
+      is_by_truth ? "in the truth's world all the same" : "by that vertical",
       suits.roll_rad / kDegree, suits.pitch_rad / kDegree, given_by);
 }
 

@@ -1,7 +1,9 @@
 #include "navigation/best_navigator.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "estimation/error_state.hpp"
 #include "estimation/ground_relief.hpp"
 #include "navigation/motion_from_pose.hpp"
 #include "navigation/motion_from_start.hpp"
@@ -37,7 +39,8 @@ BestNavigator::BestNavigator(const Camera& camera, const RigidTransform& body_fr
                 ? FlowNavigator(PaperNavigator(camera, body_from_camera, config, initial))
                 : FlowNavigator(KeyframeNavigator(camera, body_from_camera, config, initial))),
       reference_(camera, body_from_camera, config, initial, mode),
-      choice_(config.choice) {}
+      choice_(config.choice),
+      up_variance_(square(config.initial_tilt_sigma_rad)) {}
 
 NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& interval,
                                        const SensorReadings& readings) {
@@ -54,7 +57,32 @@ NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& 
     if (reference.reference->is_home) start_from_home_ = start_from_reference_;
     start_from_reference_ = decision_.start_from_camera;
   }
-  return answer(flow, reference);
+  NavigationEstimate out = answer(flow, reference);
+  take_up(flow, out.world_from_body.rotation);
+  out.upright = upright(out.pose_covariance);
+  return out;
+}
+
+// The answer's attitude goes back to the start's as that was told, the flow's own is levelled by
+// the ground. Its errors last: it is taken again only where it knows twice as well.
+void BestNavigator::take_up(const NavigationEstimate& flow,
+                            const Eigen::Quaterniond& world_from_body) {
+  constexpr double kBetter_ratio = 0.5;
+  if (flow.verdict != Verdict::ok || decision_.source != EstimateSource::flow) return;
+  const double variance = flow.pose_covariance.diagonal().segment<2>(3).maxCoeff();
+  if (decision_.unproven_way > 0 || variance > kBetter_ratio * up_variance_) return;
+  up_in_world_ =
+      world_from_body * (flow.world_from_body.rotation.conjugate() * Eigen::Vector3d::UnitZ());
+  up_variance_ = variance;
+}
+
+UprightWorld BestNavigator::upright(const Matrix6d& pose_covariance) const {
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(up_in_world_, Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d& start = world_from_start_->translation;
+  return {.upright_from_world = {turn, start - turn * start},
+          .pose_covariance = both_turned(pose_covariance, turn),
+          .sigma_rad = std::sqrt(up_variance_)};
 }
 
 EstimatePair BestNavigator::pair_of(const NavigationEstimate& flow,

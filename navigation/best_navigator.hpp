@@ -31,6 +31,8 @@ class BestNavigator {
                                      const NavigationEstimate& reference) const;
   [[nodiscard]] NavigationEstimate answer(const NavigationEstimate& flow,
                                           const NavigationEstimate& reference) const;
+  void take_up(const NavigationEstimate& flow, const Eigen::Quaterniond& world_from_body);
+  [[nodiscard]] UprightWorld upright(const Matrix6d& pose_covariance) const;
 
   Camera camera_;
   RigidTransform body_from_camera_;
@@ -41,6 +43,8 @@ class BestNavigator {
   std::optional<RigidTransform> world_from_start_;  // the camera at the first frame
   RigidTransform start_from_reference_;             // where the reference frame's camera was
   RigidTransform start_from_home_;                  // that of the first one
+  Eigen::Vector3d up_in_world_ = Eigen::Vector3d::UnitZ();
+  double up_variance_;  // about either level axis
 };
 
 }  // namespace stillkite

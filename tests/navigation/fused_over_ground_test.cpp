@@ -131,31 +131,6 @@ TEST(FusedNavigator, KnowsTheSpeedNoBetterThanItsHeight) {
   EXPECT_LT(nees / count, 4.5);
 }
 
-// The world stays the one of the first frame as it was given; what is upright is told.
-TEST(FusedNavigator, TellsWhatIsUprightThoughItsStartLeans) {
-  const test::RenderedFlight& flight = test::rendered_flight();
-  NavigatorConfig config;
-  config.fusion.flat_ground = true;
-  config.initial_tilt_sigma_rad = 0.1;
-  const Eigen::Quaterniond leaning = so3_exp({0.08, -0.05, 0});
-  InitialState start = flight.start();
-  start.world_from_body.rotation = leaning * start.world_from_body.rotation;
-  Navigator navigator(flight.record.camera, flight.record.body_from_camera, config, start,
-                      {.policy = Policy::fused});
-  NavigationEstimate last;
-  for (const Frame& frame : flight.frames) last = navigator.step(frame);
-  ASSERT_TRUE(last.upright);
-  const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
-  const NavigationEstimate upright = told_upright(last);
-  EXPECT_GT(angle_between_rad(last.world_from_body.rotation, truth.rotation), 0.09);
-  EXPECT_LT(angle_between_rad(upright.world_from_body.rotation, truth.rotation), 0.005);
-  EXPECT_LT((upright.world_from_body.translation - truth.translation).norm(), 0.1);
-  EXPECT_LT((last.world_from_body.rotation.conjugate() * last.velocity_in_world_m_s -
-             upright.world_from_body.rotation.conjugate() * upright.velocity_in_world_m_s)
-                .norm(),
-            1e-9);
-}
-
 // A range finder that sees nothing tells 0.
 TEST(FusedNavigator, AHeightOfZeroIsNoReading) {
   const test::RenderedFlight& flight = test::rendered_flight();

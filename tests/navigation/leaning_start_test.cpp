@@ -1,0 +1,55 @@
+#include <gtest/gtest.h>
+
+#include "navigation/navigator.hpp"
+#include "rendered_flight.hpp"
+
+namespace stillkite {
+namespace {
+
+class LeaningStart : public testing::TestWithParam<Policy> {};
+
+// Told wrong by 5 degrees, as it was told that it may be.
+TEST_P(LeaningStart, IsToldUprightOnceTheGroundHasShown) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  NavigatorConfig config;
+  config.initial_tilt_sigma_rad = 0.1;
+  const Eigen::Quaterniond leaning = so3_exp({0.08, -0.05, 0});
+  InitialState start = flight.start();
+  start.world_from_body.rotation = leaning * start.world_from_body.rotation;
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, config, start,
+                      {.policy = GetParam()});
+  NavigationEstimate last;
+  for (const Frame& frame : flight.frames) last = navigator.step(frame);
+  const NavigationEstimate upright = told_upright(last);
+  const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
+  EXPECT_LT(angle_between_rad(upright.world_from_body.rotation, truth.rotation), 0.005);
+  EXPECT_LT((upright.world_from_body.translation - truth.translation).norm(), 0.3);
+  const Eigen::Vector3d in_body =
+      last.world_from_body.rotation.conjugate() * last.velocity_in_world_m_s;
+  EXPECT_LT((upright.world_from_body.rotation * in_body - upright.velocity_in_world_m_s).norm(),
+            1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Policies, LeaningStart,
+                         testing::Values(Policy::flow, Policy::best, Policy::fused),
+                         [](const auto& policy) { return std::string(name_of(policy.param)); });
+
+// Who keeps the start as it was given says what is upright beside it.
+TEST(LeaningStartOfTheFusion, IsKeptAsItWasGiven) {
+  const test::RenderedFlight& flight = test::rendered_flight();
+  const Eigen::Quaterniond leaning = so3_exp({0.08, -0.05, 0});
+  InitialState start = flight.start();
+  start.world_from_body.rotation = leaning * start.world_from_body.rotation;
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, start,
+                      {.policy = Policy::fused});
+  const NavigationEstimate first = navigator.step(flight.frames[0]);
+  EXPECT_LT(angle_between_rad(first.world_from_body.rotation, start.world_from_body.rotation),
+            1e-9);
+  ASSERT_TRUE(first.upright);
+  EXPECT_LT(angle_between_rad(first.upright->upright_from_world.rotation, {1, 0, 0, 0}), 1e-9);
+  EXPECT_NEAR(first.upright->sigma_rad, NavigatorConfig{}.initial_tilt_sigma_rad, 1e-9);
+  EXPECT_FALSE(told_upright(first).upright);
+}
+
+}  // namespace
+}  // namespace stillkite
