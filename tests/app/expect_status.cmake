@@ -1,5 +1,5 @@
-# Runs COMMAND with ARGUMENTS; fails unless it exits with STATUS, and unless a failure speaks on
-# stderr only.
+# Runs COMMAND with ARGUMENTS; fails unless it exits with STATUS, unless a failure speaks on stderr
+# only, and unless what it says matches PATTERN.
 execute_process(COMMAND ${COMMAND} ${ARGUMENTS} RESULT_VARIABLE status OUTPUT_VARIABLE out
                 ERROR_VARIABLE err)
 if(NOT status STREQUAL STATUS)
@@ -7,4 +7,7 @@ if(NOT status STREQUAL STATUS)
 endif()
 if(NOT STATUS EQUAL 0 AND (NOT out STREQUAL "" OR err STREQUAL ""))
   message(FATAL_ERROR "a failure must speak on stderr only\nstdout: ${out}\nstderr: ${err}")
+endif()
+if(NOT "${err}${out}" MATCHES "${PATTERN}")
+  message(FATAL_ERROR "expected ${PATTERN}\nstdout: ${out}\nstderr: ${err}")
 endif()
