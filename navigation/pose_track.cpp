@@ -116,11 +116,13 @@ void PoseTrack::correct_keyframe(const PlaneAlignment& alignment, const SensorRe
 void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
   camera_ = {level_from_filter_ * filter_.pose(), beyond_filter_ + filter_.pose_covariance()};
   if (keyframe_.scale == ScaleSource::none) return;  // no alignment to hand a scale back by
-  const ScaledPose corrected =
-      with_readings({camera_, keyframe_.scale, keyframe_.scale_stamp},
-                    of_camera(readings, body_from_camera_, camera_.world_from_camera.rotation),
-                    config_.sensors, now);
+  ScaledPose known = keyframe_;
+  known.pose = camera_;
+  const ScaledPose corrected = with_readings(
+      known, of_camera(readings, body_from_camera_, camera_.world_from_camera.rotation),
+      config_.sensors, now);
   camera_ = corrected.pose;
+  keyframe_.refused_heights = corrected.refused_heights;
   if (corrected.scale == keyframe_.scale) keyframe_.scale_stamp = corrected.scale_stamp;
 }
 

@@ -1,5 +1,10 @@
 #include "navigation/sensor_update.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/error_state.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -35,6 +40,39 @@ PoseEstimate with_attitude(const PoseEstimate& pose, const Eigen::Quaterniond& w
   return out;
 }
 
+// Without an echo, over a roof or in rain a range finder tells anything.
+bool is_far_off(double off_m, double variance_m2, double known_m) {
+  constexpr double kSigmas = 5;
+  constexpr double kLeast_ratio = 0.1;
+  return std::abs(off_m) > std::max(kSigmas * std::sqrt(variance_m2), kLeast_ratio * known_m);
+}
+
+ScaledPose with_measured_height(const ScaledPose& before, const CameraReadings& readings,
+                                const SensorConfig& config, Timestamp now) {
+  constexpr int kBelievedInARow = 5;
+  ScaledPose out = before;
+  const double known_m = before.pose.world_from_camera.translation.z();
+  double& variance_m2 = out.pose.covariance(2, 2);
+  if (before.scale == ScaleSource::initial_height) {
+    // a sensor outranks what was said at the start
+    variance_m2 += square(config.start_height_sigma_ratio * known_m);
+  }
+  const double off_m = *readings.height_m - known_m;
+  if (is_far_off(off_m, variance_m2 + square(config.height_sigma_m), known_m)) {
+    if (before.refused_heights + 1 < kBelievedInARow) {
+      ScaledPose refused = before;
+      ++refused.refused_heights;
+      return refused;
+    }
+    variance_m2 += square(off_m);
+  }
+  out.pose = with_height(out.pose, *readings.height_m, config.height_sigma_m);
+  out.refused_heights = 0;
+  out.scale = readings.height_source;
+  out.scale_stamp = now;
+  return out;
+}
+
 PoseEstimate stretched(const PoseEstimate& pose, double factor) {
   PoseEstimate out = pose;
   out.world_from_camera.translation *= factor;
@@ -63,20 +101,15 @@ ScaledPose with_readings(const ScaledPose& before, const CameraReadings& reading
                          const SensorConfig& config, Timestamp now) {
   ScaledPose out = before;
   if (readings.height_m && *readings.height_m > 0) {
-    const double known_m = out.pose.world_from_camera.translation.z();
-    if (out.scale == ScaleSource::none) {
-      out.pose = stretched(out.pose, *readings.height_m / known_m);
-      out.pose.covariance(2, 2) += config.height_sigma_m * config.height_sigma_m;
+    if (before.scale == ScaleSource::none) {
+      out.pose =
+          stretched(out.pose, *readings.height_m / out.pose.world_from_camera.translation.z());
+      out.pose.covariance(2, 2) += square(config.height_sigma_m);
+      out.scale = readings.height_source;
+      out.scale_stamp = now;
     } else {
-      if (out.scale == ScaleSource::initial_height) {
-        // a sensor outranks what was said at the start
-        const double sigma_m = config.start_height_sigma_ratio * known_m;
-        out.pose.covariance(2, 2) += sigma_m * sigma_m;
-      }
-      out.pose = with_height(out.pose, *readings.height_m, config.height_sigma_m);
+      out = with_measured_height(before, readings, config, now);
     }
-    out.scale = readings.height_source;
-    out.scale_stamp = now;
   }
   if (readings.attitude) {
     out.pose = with_attitude(out.pose, *readings.attitude, config.attitude_sigma_rad);

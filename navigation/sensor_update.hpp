@@ -14,6 +14,7 @@ struct ScaledPose {
   PoseEstimate pose;
   ScaleSource scale = ScaleSource::none;
   Timestamp scale_stamp;
+  int refused_heights = 0;  ///< in a row
 };
 
 /// What other sensors say of the camera itself.
@@ -30,7 +31,8 @@ struct CameraReadings {
 
 /// Kalman update of a pose by height and attitude, of which roll and pitch count: the yaw of an
 /// inertial sensor drifts as ours does. The first height in a flight without scale sets it: the
-/// world is stretched.
+/// world is stretched. A height that is far from what is known is left out, unless five in a row
+/// are.
 [[nodiscard]] ScaledPose with_readings(const ScaledPose& before, const CameraReadings& readings,
                                        const SensorConfig& config, Timestamp now);
 

@@ -43,6 +43,38 @@ TEST_P(Sensors, HeightHealsAWrongStart) {
             GetParam() == Mode::paper ? 0.5 : 0.15);
 }
 
+// As a range finder has it that at times has no echo.
+TEST_P(Sensors, LeavesOutHeightsThatAreFarOff) {
+  const auto& flight = rendered_flight();
+  const std::size_t last = flight.frames.size() - 1;
+  for (const double no_echo_m : {0.05, 40.0, 1e30}) {
+    Navigator estimator = navigator(flight.start());
+    NavigationEstimate e;
+    for (std::size_t i = 0; i <= last; ++i) {
+      SensorReadings readings;
+      readings.height_m = i % 5 == 4 ? no_echo_m : flight.truth(i).translation.z();
+      e = estimator.step(flight.frames[i], readings);
+    }
+    EXPECT_NEAR(e.world_from_body.translation.z(), flight.truth(last).translation.z(), 0.2)
+        << no_echo_m;
+  }
+}
+
+TEST_P(Sensors, BelievesHeightsThatAreFarOffOnceFiveInARowAre) {
+  const auto& flight = rendered_flight();
+  InitialState wrong = flight.start();
+  wrong.world_from_body.translation.z() *= 1.6;
+  Navigator estimator = navigator(wrong);
+  for (std::size_t i = 0; i < 20; ++i) {
+    SensorReadings readings;
+    readings.height_m = flight.truth(i).translation.z();
+    const NavigationEstimate e = estimator.step(flight.frames[i], readings);
+    EXPECT_EQ(e.scale, i < 4 ? ScaleSource::initial_height : ScaleSource::range) << i;
+    if (i < 4) continue;
+    EXPECT_NEAR(e.world_from_body.translation.z(), flight.truth(i).translation.z(), 0.3) << i;
+  }
+}
+
 TEST(SensorReading, RangeIsAlongTheBody) {
   const Eigen::Quaterniond rolled = so3_exp({std::acos(0.5), 0, 0});
   EXPECT_NEAR(height_of_body_m(10, ScaleSource::range, rolled), 5, 1e-12);
