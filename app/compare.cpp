@@ -100,7 +100,7 @@ void compare(const CompareArguments& arguments) {
     protect_inputs_of_run(out / variants[i].name, arguments.config, variants[i].config);
     runs[i].write_to(out / variants[i].name, source.expected());
   }
-  tell_of_missing_scale(runs.front().inputs());
+  tell_of_doubtful_inputs(runs.front());
 
   const auto start = std::chrono::steady_clock::now();
   const Ending ending = step_through(source, runs, "compare");

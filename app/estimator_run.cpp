@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
@@ -45,6 +46,34 @@ void tell_of_what_does_not_cover(const EstimatorRun& run) {
              "{:.3f} s: are both on one clock?\n",
              judged, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp),
              to_seconds(first), to_seconds(last));
+}
+
+void tell_of_missing_scale(const FlightInputs& inputs) {
+  if (inputs.initial.scale != ScaleSource::none) return;
+  fmt::print(stderr,
+             "stillkite: no height is given: every metre below is one initial height over the "
+             "ground (initial.height_m sets the scale){}\n",
+             inputs.sensors.imu.stamps.empty()
+                 ? ""
+                 : "; with estimator.policy=fused a metre from where the column scale says imu");
+}
+
+void tell_of_sky(const FlightInputs& inputs) {
+  const Camera& camera = inputs.camera;
+  const Eigen::Vector3d up =
+      (inputs.initial.world_from_body.rotation * inputs.body_from_camera.rotation).conjugate() *
+      Eigen::Vector3d::UnitZ();
+  for (const double x : {0, camera.width_px - 1}) {
+    for (const double y : {0, camera.height_px - 1}) {
+      const auto point = undistort(camera, {x, y});
+      if (!point || point->homogeneous().dot(up) < 0) return;
+    }
+  }
+  fmt::print(stderr,
+             "stillkite: no ground is in view at the start: by mount and attitude the camera looks "
+             "{:.0f} deg above the horizon (mount.down_deg or the calibration's mount, "
+             "initial.roll_deg, initial.pitch_deg)\n",
+             std::asin(up.z()) / kDegree);
 }
 
 }  // namespace
@@ -120,14 +149,18 @@ Ending step_through(FrameSource& source, std::span<EstimatorRun> runs, const std
   return {.failure = nullptr, .complaint = source.complaint()};
 }
 
-void tell_of_missing_scale(const FlightInputs& inputs) {
-  if (inputs.initial.scale != ScaleSource::none) return;
-  fmt::print(stderr,
-             "stillkite: no height is given: every metre below is one initial height over the "
-             "ground (initial.height_m sets the scale){}\n",
-             inputs.sensors.imu.stamps.empty()
-                 ? ""
-                 : "; with estimator.policy=fused a metre from where the column scale says imu");
+void tell_of_doubtful_inputs(const EstimatorRun& run) {
+  tell_of_missing_scale(run.inputs());
+  tell_of_sky(run.inputs());
+  if (const std::size_t left_out = run.inputs().sensors.imu_left_out; left_out > 0) {
+    fmt::print(stderr,
+               "stillkite: imu.path: left out: {} of {} readings, zeros alone or a leap away from "
+               "both neighbours\n",
+               left_out, left_out + run.inputs().sensors.imu.stamps.size());
+  }
+  if (run.config().acceleration.path && run.config().estimator.mode != Mode::paper) {
+    fmt::print(stderr, "stillkite: acceleration.path: only estimator.mode=paper uses it\n");
+  }
 }
 
 void tell_of_leaning_start(const EstimatorRun& run) {

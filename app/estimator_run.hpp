@@ -69,8 +69,9 @@ struct Ending {
 [[nodiscard]] Ending step_through(FrameSource& source, std::span<EstimatorRun> runs,
                                   const std::string& label);
 
-/// One line where an estimator's lengths are no metres.
-void tell_of_missing_scale(const FlightInputs& inputs);
+/// A line where an estimator's lengths are no metres, where the camera sees no ground at the start,
+/// where IMU readings are left out, and where a log is read that the estimator does not use.
+void tell_of_doubtful_inputs(const EstimatorRun& run);
 
 /// One line where the fusion has found that the start's attitude was not as it was given.
 void tell_of_leaning_start(const EstimatorRun& run);

@@ -24,6 +24,7 @@
 #include "io/config_printing.hpp"
 #include "io/json_text.hpp"
 #include "io/output_file.hpp"
+#include "simulation/station_path.hpp"
 
 namespace stillkite {
 namespace {
@@ -59,12 +60,20 @@ void prepare(const fs::path& folder, const fs::path& config_file, const HoverCon
 }
 
 std::vector<Trial> trials_of(const HoverConfig& config) {
+  constexpr double kLongest_s = 3600;
   if (config.plant.camera.readout_s > 0) {
     throw InputError("plant.camera.readout_s: a trial's camera exposes all rows at once; 0");
   }
   const std::vector<Trial> trials = make_trials(config);
   if (trials.empty()) {
     throw InputError("hover: trials.on and trials.off are both 0; nothing would be flown");
+  }
+  for (const Trial& trial : trials) {
+    const double duration_s = StationPath(config.plant.station, trial.axis).duration_s();
+    if (duration_s <= kLongest_s) continue;
+    throw InputError(fmt::format(
+        "plant.station: its way takes {:.3g} s at that speed and acceleration; at most {:.0f}",
+        duration_s, kLongest_s));
   }
   return trials;
 }

@@ -35,7 +35,7 @@ void run(const RunArguments& arguments) {
   const fs::path out = results_folder(arguments.out, arguments.config);
   protect_inputs_of_run(out, arguments.config, config);
   estimator.write_to(out, source.expected());
-  tell_of_missing_scale(estimator.inputs());
+  tell_of_doubtful_inputs(estimator);
 
   const Clock::time_point start = Clock::now();
   const Ending ending = step_through(source, std::span(&estimator, 1), "run");

@@ -181,16 +181,22 @@ void check_camera(const Camera& camera, const std::string& origin) {
   const auto require_that = [&](bool holds, const std::string& problem) {
     if (!holds) throw InputError(fmt::format("{}: {}", origin, problem));
   };
+  constexpr double kShortest_ratio = 0.1;
   const auto [w, h] = std::pair<double, double>(camera.width_px, camera.height_px);
   require_that(w > 0 && h > 0, fmt::format("resolution {} x {} is not positive", w, h));
   require_that(camera.focal_x_px > 0 && camera.focal_y_px > 0 && camera.focal_x_px < 1e6 &&
                    camera.focal_y_px < 1e6,
                fmt::format("focal lengths {}, {} px must be positive (and below 1e6)",
                            camera.focal_x_px, camera.focal_y_px));
-  require_that(
-      std::abs(camera.centre_x_px - 0.5 * w) <= w && std::abs(camera.centre_y_px - 0.5 * h) <= h,
-      fmt::format("principal point {}, {} px is far outside the picture of {} x {}",
-                  camera.centre_x_px, camera.centre_y_px, w, h));
+  require_that(camera.focal_x_px > kShortest_ratio * w && camera.focal_y_px > kShortest_ratio * h,
+               fmt::format("focal lengths {}, {} px are below a tenth of the picture, {} x {}: are "
+                           "they in pixels, and of this resolution?",
+                           camera.focal_x_px, camera.focal_y_px, w, h));
+  require_that(camera.centre_x_px >= 0 && camera.centre_x_px <= w && camera.centre_y_px >= 0 &&
+                   camera.centre_y_px <= h,
+               fmt::format("principal point {}, {} px is outside the picture of {} x {}: is it of "
+                           "another resolution?",
+                           camera.centre_x_px, camera.centre_y_px, w, h));
   for (const double c : camera.coefficients) {
     require_that(std::abs(c) < 1e6, fmt::format("distortion coefficient {} is not usable", c));
   }

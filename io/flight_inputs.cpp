@@ -131,8 +131,14 @@ SensorLog read_sensors(const RunConfig& config) {
   }
   if (config.gyro.path) log.angular_rate_in_body_rad_s = read_gyro(*config.gyro.path);
   if (config.imu.path) {
-    log.angular_rate_in_body_rad_s = read_gyro(*config.imu.path);
-    log.imu = read_imu(*config.imu.path);
+    const TimeSeries<Vector6d> all = read_imu(*config.imu.path);
+    log.imu = without_leaps(all);
+    log.imu_left_out = all.stamps.size() - log.imu.stamps.size();
+    if (log.imu.stamps.empty()) throw InputError(config.imu.path->string() + ": tells but zeros");
+    log.angular_rate_in_body_rad_s.stamps = log.imu.stamps;
+    for (const Vector6d& value : log.imu.values) {
+      log.angular_rate_in_body_rad_s.values.emplace_back(value.head<3>());
+    }
   }
   if (config.attitude.path) log.attitude = read_attitudes(*config.attitude.path);
   if (config.acceleration.path) log.acceleration = read_accelerations(*config.acceleration.path);

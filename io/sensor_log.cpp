@@ -165,6 +165,10 @@ TimeSeries<Eigen::Quaterniond> read_attitudes(const std::filesystem::path& file)
 
 TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
   return read_series<Vector6d>(file, 4, [](const TableReader& row) {
+    if (row.name(1).starts_with('w')) {
+      row.reject(fmt::format("column '{}' is an angular rate; accelerations come first: ax, ay, az",
+                             row.name(1)));
+    }
     Vector6d value = Vector6d::Zero();
     value.head<3>() = vector_at(row, 1);
     if (row.columns() >= 7) value.tail<3>() = vector_at(row, 4);
@@ -178,6 +182,25 @@ TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
     const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
     return (Vector6d() << rates, forces).finished();
   });
+}
+
+TimeSeries<Vector6d> without_leaps(const TimeSeries<Vector6d>& imu) {
+  constexpr double kLeap_rad_s = 10, kLeap_m_s2 = 80;
+  const auto leaps_from = [&](const Vector6d& value, const Vector6d& neighbour) {
+    const Vector6d by = value - neighbour;
+    return by.head<3>().norm() > kLeap_rad_s || by.tail<3>().norm() > kLeap_m_s2;
+  };
+  TimeSeries<Vector6d> out;
+  const std::size_t n = imu.values.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector6d& value = imu.values[i];
+    const bool leaps = i > 0 && i + 1 < n && leaps_from(value, imu.values[i - 1]) &&
+                       leaps_from(value, imu.values[i + 1]);
+    if (leaps || value.isZero(0)) continue;
+    out.stamps.push_back(imu.stamps[i]);
+    out.values.push_back(value);
+  }
+  return out;
 }
 
 }  // namespace stillkite

@@ -28,7 +28,8 @@ struct SensorLog {
   ScaleSource height_source = ScaleSource::range;  ///< what measured it
   TimeSeries<Eigen::Quaterniond> attitude;         ///< world_from_body
   TimeSeries<Vector6d> acceleration;               ///< of SensorReadings
-  TimeSeries<Vector6d> imu;  ///< angular rate, specific force; of SensorReadings::inertial
+  TimeSeries<Vector6d> imu;      ///< angular rate, specific force; of SensorReadings::inertial
+  std::size_t imu_left_out = 0;  ///< readings that were none (`without_leaps`)
 };
 
 /// Neighbouring readings further apart than this are a gap, in which nothing is known.
@@ -51,5 +52,9 @@ inline constexpr double kFresh_s = 0.05;
 [[nodiscard]] TimeSeries<Eigen::Quaterniond> read_attitudes(const std::filesystem::path& file);
 [[nodiscard]] TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file);
 [[nodiscard]] TimeSeries<Vector6d> read_imu(const std::filesystem::path& file);
+
+/// Without what no body does: rows of zeros, as drivers write them that have nothing to tell, and
+/// single readings that leap away from both neighbours by 10 rad/s or 80 m/s^2.
+[[nodiscard]] TimeSeries<Vector6d> without_leaps(const TimeSeries<Vector6d>& imu);
 
 }  // namespace stillkite

@@ -25,7 +25,7 @@ struct TruthConfig {
 
   static void fields(auto& self, auto&& field) {
     field("path", self.path, "EuRoC or TUM trajectory; without it the data set's own, if any");
-    field("ground_z_m", self.ground_z_m, kAny,
+    field("ground_z_m", self.ground_z_m, Range{-1e5, 1e5},
           "where the ground is in the truth's world; ours has it at z = 0");
   }
 };
@@ -40,7 +40,7 @@ struct InitialConfig {
   static void fields(auto& self, auto&& field) {
     field("from_truth", self.from_truth,
           "start from the truth's first pose, instead of the following");
-    field("height_m", self.height_m, kPositive,
+    field("height_m", self.height_m, Range{.min = 0, .max = 1e5, .open_min = true},
           "of the body over the ground; without any height the unit is the initial height");
     field("yaw_deg", self.yaw_deg, "of the body, from the world's x to its y axis");
     field("pitch_deg", self.pitch_deg, Range{-90, 90}, "of the body, positive is nose down");

@@ -67,6 +67,12 @@ bool TableReader::next() {
       reject(fmt::format("{} columns, at least {} separated by {} are needed", cells_.size(),
                          min_columns_, separator_ == Separator::comma ? "commas" : "blanks"));
     }
+    // a comment is no line of names; a comma at the end is no cell
+    const std::size_t filled = cells_.size() - (cells_.back().empty() ? 1 : 0);
+    if (names_.size() >= min_columns_ && filled > names_.size()) {
+      reject(fmt::format("{} columns, but the first line names {}; a decimal point is no comma",
+                         filled, names_.size()));
+    }
     return true;
   }
   return false;

@@ -119,6 +119,30 @@ TEST(SensorLog, ReadsEveryKindOfFile) {
             "h.csv: has no row of data");
 }
 
+TEST(SensorLog, ReadingsOfAnImuThatLeapAreLeftOut) {
+  const Vector6d held = (Vector6d() << 0, 0, 0, 0, 0, 9.8).finished();
+  TimeSeries<Vector6d> imu;
+  for (int i = 0; i < 10; ++i) {
+    imu.stamps.push_back(at_s(0.01 * i));
+    imu.values.push_back(held);
+  }
+  imu.values[2][0] = 35;
+  imu.values[4].setZero();
+  imu.values[6][5] = 160;
+  imu.values[9][5] = 160;  // what comes after it nobody knows
+  const TimeSeries<Vector6d> left = without_leaps(imu);
+  EXPECT_EQ(left.stamps, (std::vector{at_s(0), at_s(0.01), at_s(0.03), at_s(0.05), at_s(0.07),
+                                      at_s(0.08), at_s(0.09)}));
+  EXPECT_EQ(left.values[2], held);
+}
+
+TEST(SensorLog, AnAccelerationIsNoAngularRate) {
+  const TemporaryFolder folder;
+  const auto file = folder.file("a.csv", "timestamp [ns],wx,wy,wz,ax,ay,az\n1,0,0,0,0,0,9.8\n");
+  EXPECT_EQ(input_error_of(folder, [&] { (void)read_accelerations(file); }),
+            "a.csv:2: column 'wx' is an angular rate; accelerations come first: ax, ay, az");
+}
+
 TEST(SensorLog, WhatNoGyroscopeTellsIsAnError) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& text) {

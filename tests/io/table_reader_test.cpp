@@ -63,6 +63,8 @@ TEST(TableReader, MessagesNameFileLineAndRemedy) {
   EXPECT_EQ(error("1,2\nx,3\n"), "a.csv:2: 'x' is no time stamp");
   EXPECT_EQ(error("nan,3\n"), "a.csv:1: 'nan' is no time stamp");
   EXPECT_EQ(error("1,2\n3\n"), "a.csv:2: 1 columns, at least 2 separated by commas are needed");
+  EXPECT_EQ(error("t,v\n1,19,8\n"),
+            "a.csv:2: 3 columns, but the first line names 2; a decimal point is no comma");
   EXPECT_EQ(error("5,2\n5,3\n"),
             "a.csv:2: stamp 5 repeats that of line 1; sort the file and drop repeats");
   EXPECT_EQ(error("5,2\n# c\n4,3\n"),
