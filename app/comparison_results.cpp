@@ -36,7 +36,7 @@ json estimator_json(const ComparedRun& run) {
   const auto read = frames["read"].get<double>();
   result["name"] = run.name;
   result["policy"] = name_of(run.estimator.policy);
-  result["mode"] = name_of(run.estimator.mode);
+  result["mode"] = name_of(run.estimator.mode_in_use());
   result["keys"] = run.overrides;
   result["availability_ratio"] =
       read > 0 ? json(frames["used"].get<double>() / read) : json(nullptr);

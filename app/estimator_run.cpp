@@ -158,7 +158,7 @@ void tell_of_doubtful_inputs(const EstimatorRun& run) {
                "both neighbours\n",
                left_out, left_out + run.inputs().sensors.imu.stamps.size());
   }
-  if (run.config().acceleration.path && run.config().estimator.mode != Mode::paper) {
+  if (run.config().acceleration.path && run.config().estimator.mode_in_use() != Mode::paper) {
     fmt::print(stderr, "stillkite: acceleration.path: only estimator.mode=paper uses it\n");
   }
 }

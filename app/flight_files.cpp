@@ -15,8 +15,7 @@ std::string print_vector(const Eigen::Vector3d& v) {
   return fmt::format("{:.9f},{:.9f},{:.9f}", v.x(), v.y(), v.z());
 }
 
-}  // namespace
-
+// EuRoC's sensor.yaml of the camera; T_BS is body_from_camera.
 std::string camera_yaml(const FlightRecord& flight, double frames_per_s) {
   const Camera& camera = flight.camera;
   Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = Eigen::Matrix4d::Identity();
@@ -39,6 +38,7 @@ std::string camera_yaml(const FlightRecord& flight, double frames_per_s) {
       fmt::join(camera.coefficients.begin(), camera.coefficients.begin() + used, ", "));
 }
 
+// Pose and velocity in the world; the biases of the IMU are left out.
 std::string truth_csv(const FlightRecord& flight) {
   std::string out =
       "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
@@ -60,6 +60,7 @@ std::string truth_tum(const FlightRecord& flight) {
   return out;
 }
 
+// A row is the motion half way between the frame before and this one, in the camera.
 std::string velocity_csv(const FlightRecord& flight) {
   std::string out = "#timestamp [ns],vx,vy,vz [m/s camera frame],wx,wy,wz [rad/s camera frame]\n";
   for (const StampedTwist& row : flight.twists_in_camera) {
@@ -89,6 +90,8 @@ std::string range_csv(const FlightRecord& flight) {
   }
   return out;
 }
+
+}  // namespace
 
 void write_flight_files(const FlightRecord& flight, double frames_per_s,
                         const std::filesystem::path& top, const std::filesystem::path& dataset,

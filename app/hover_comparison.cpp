@@ -114,7 +114,7 @@ json hover_comparison_json(std::span<const ComparedTrials> estimators) {
     }
     entries.push_back({{"name", flown.name},
                        {"policy", name_of(flown.estimator.policy)},
-                       {"mode", name_of(flown.estimator.mode)},
+                       {"mode", name_of(flown.estimator.mode_in_use())},
                        {"keys", flown.overrides},
                        {"displacement", std::move(displacement)},
                        {"table", flown.summary["table"]},

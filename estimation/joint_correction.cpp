@@ -38,11 +38,7 @@ std::optional<JointCorrection> joint_correction(const FusionState& state,
   Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(S);
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::VectorXd whitened = factor.matrixL().solve(residual);
-  JointCorrection out{.error = {},
-                      .A_t = std::move(A_t),
-                      .S = {},
-                      .residual = std::move(residual),
-                      .squared = whitened.squaredNorm()};
+  JointCorrection out{.error = {}, .A_t = std::move(A_t), .S = {}, .residual = std::move(residual)};
   solve_transposed(factor.matrixLLT(), out.A_t);
   out.S = std::move(factor);
   out.error = out.A_t.transpose() * whitened;

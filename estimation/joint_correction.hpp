@@ -16,7 +16,6 @@ struct JointCorrection {
   Eigen::MatrixXd A_t;    ///< A; A^T A is to be taken off P
   Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> S;
   Eigen::VectorXd residual;
-  double squared = 0;  ///< r^T S^-1 r
 };
 
 /// Of the prediction that `offset` (errors) leads from to the state, about which it is linearised;

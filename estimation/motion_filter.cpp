@@ -36,16 +36,12 @@ void MotionFilter::forget_speed(double velocity_sigma_m_s, double rate_sigma_rad
   P_.diagonal().segment<3>(9).setConstant(rate_sigma_rad_s * rate_sigma_rad_s);
 }
 
-RigidTransform MotionFilter::predicted_pose(double dt_s) const {
-  return {(pose_.rotation * so3_exp(rate_in_camera_ * dt_s)).normalized(),
-          pose_.translation + velocity_in_world_ * dt_s};
-}
-
 void MotionFilter::predict(double dt_s) {
   const Eigen::Matrix3d R = pose_.rotation.toRotationMatrix();
   previous_pose_ = pose_;
   previous_covariance_ = pose_covariance();
-  pose_ = predicted_pose(dt_s);
+  pose_ = {(pose_.rotation * so3_exp(rate_in_camera_ * dt_s)).normalized(),
+           pose_.translation + velocity_in_world_ * dt_s};
   interval_s_ = dt_s;
   Matrix12d F = Matrix12d::Identity();
   F.block<3, 3>(0, 6).diagonal().setConstant(dt_s);

@@ -32,9 +32,6 @@ class MotionFilter {
   /// At rest at `pose`, as far as the standard deviations say.
   void start(const RigidTransform& pose, double velocity_sigma_m_s, double rate_sigma_rad_s);
 
-  /// Nothing is changed: where the camera will be after `dt_s`.
-  [[nodiscard]] RigidTransform predicted_pose(double dt_s) const;
-
   void predict(double dt_s);
   void update(const RigidTransform& measured_pose, const Matrix6d& covariance);
   /// A pose that was measured for an assumed twist and would have been another one for another:

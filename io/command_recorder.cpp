@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 namespace stillkite {
+namespace {
 
+// Names with units.
 std::string commands_csv_header() {
   return "#timestamp [ns],action,reason,length_rate [m/s],elevation_rate [rad/s],"
          "azimuth_rate [rad/s],yaw_rate [rad/s],home_x [m],home_y [m],home_z [m],turn_home [rad]\n";
@@ -17,6 +19,8 @@ std::string commands_csv_row(Timestamp stamp, const HoldDecision& decision) {
                      c.elevation_rate_rad_s, c.azimuth_rate_rad_s, c.yaw_rate_rad_s, home.x(),
                      home.y(), home.z(), decision.turn_home_rad);
 }
+
+}  // namespace
 
 CommandRecorder::CommandRecorder(const std::filesystem::path& folder)
     : table_(folder / "commands.csv") {

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <string>
 
 #include "geometry/time.hpp"
 #include "io/output_file.hpp"
@@ -15,12 +14,6 @@ struct CommandCounts {
   std::int64_t issued = 0;
   std::int64_t held = 0;
 };
-
-/// The first line of commands.csv: names with units, and its end of line.
-[[nodiscard]] std::string commands_csv_header();
-
-/// One frame's line.
-[[nodiscard]] std::string commands_csv_row(Timestamp stamp, const HoldDecision& decision);
 
 /// Writes commands.csv as the frames come, and counts.
 class CommandRecorder {

@@ -77,7 +77,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
     view_ = view_of(alignment, hints.normal);
     track_.accept(alignment, readings, frame.stamp);
     // a keyframe taken before the speed was known had it all the same; its rows need it
-    if (aligned_ <= kFramesToLearnSpeed) {
+    if (learns_speed()) {
       track_.assume_keyframe_twist(track_.filter().twist_in_camera());
     }
   } else {
@@ -108,20 +108,24 @@ PlaneAlignment KeyframeNavigator::align(bool may_search) {
   const PlaneMotion predicted = predicted_motion();
   const bool is_vague = is_prediction_vague();
   if (is_vague) aligned_ = 0;
-  const bool learns_speed = aligned_++ < kFramesToLearnSpeed;
-  PlaneAlignment best = align_from(predicted, learns_speed);
+  ++aligned_;
+  PlaneAlignment best = align_from(predicted);
   if (!may_search || (!is_vague && judge(best) != Verdict::lost)) return best;
   PlaneMotion from = predicted;
   bool is_last = true;
   for (const PlaneMotion& guess : searched_motions()) {
-    const PlaneAlignment other = align_from(guess, learns_speed);
+    const PlaneAlignment other = align_from(guess);
     is_last = is_better(other, best);
     if (!is_last) continue;
     best = other;
     from = guess;
   }
   // the windows shown are those of the last alignment
-  return is_last ? best : align_from(from, learns_speed);
+  return is_last ? best : align_from(from);
+}
+
+bool KeyframeNavigator::learns_speed() const {
+  return aligned_ <= kFramesToLearnSpeed;
 }
 
 PlaneMotion KeyframeNavigator::predicted_motion() const {
@@ -155,9 +159,9 @@ bool KeyframeNavigator::is_better(const PlaneAlignment& a, const PlaneAlignment&
   return judge(b) != Verdict::ok || a.correlation > b.correlation;
 }
 
-PlaneAlignment KeyframeNavigator::align_from(const PlaneMotion& guess, bool learns_speed) {
+PlaneAlignment KeyframeNavigator::align_from(const PlaneMotion& guess) {
   PlaneAlignment alignment = align_at_speed(guess, track_.filter());
-  if (config_.readout_s > 0 && learns_speed && alignment.solvable) {
+  if (config_.readout_s > 0 && learns_speed() && alignment.solvable) {
     // the rows' times matter once the speed is known: align again with the speed just seen
     alignment = align_at_speed(guess, track_.filter_after(alignment));
   }
@@ -168,15 +172,14 @@ PlaneAlignment KeyframeNavigator::align_at_speed(const PlaneMotion& guess,
                                                  const MotionFilter& speed) {
   const PoseEstimate& keyframe = track_.keyframe();
   const double height_m = keyframe.world_from_camera.translation.z();
-  const bool learns_speed = aligned_ <= kFramesToLearnSpeed;
   const Twist now = speed.twist_in_camera();
-  const Twist& then = learns_speed ? now : track_.keyframe_twist();
+  const Twist& then = learns_speed() ? now : track_.keyframe_twist();
   const RollingShutter shutter{config_.readout_s, in_heights(then, height_m),
                                in_heights(now, height_m)};
   PlaneAlignment alignment =
       aligner_.align(current_, guess, tilt_prior(keyframe, config_.levelling), shutter);
   // on a speed that both pictures share the motion hardly depends
-  if (learns_speed) alignment.motion_by_twist.setZero();
+  if (learns_speed()) alignment.motion_by_twist.setZero();
   return alignment;
 }
 

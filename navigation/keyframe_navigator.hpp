@@ -43,7 +43,8 @@ class KeyframeNavigator {
   [[nodiscard]] bool is_prediction_vague() const;
   [[nodiscard]] std::vector<PlaneMotion> searched_motions() const;
   [[nodiscard]] bool is_better(const PlaneAlignment& a, const PlaneAlignment& b) const;
-  [[nodiscard]] PlaneAlignment align_from(const PlaneMotion& guess, bool learns_speed);
+  [[nodiscard]] PlaneAlignment align_from(const PlaneMotion& guess);
+  [[nodiscard]] bool learns_speed() const;
   [[nodiscard]] PlaneAlignment align_at_speed(const PlaneMotion& guess, const MotionFilter& speed);
   [[nodiscard]] KeyframeView view_of(const PlaneAlignment& alignment,
                                      const std::optional<Eigen::Vector3d>& normal);

@@ -34,6 +34,11 @@ struct EstimatorConfig {
   Policy policy = Policy::flow;
   Mode mode = Mode::recommended;
 
+  /// The fusion has but one.
+  [[nodiscard]] Mode mode_in_use() const {
+    return policy == Policy::fused ? Mode::recommended : mode;
+  }
+
   static void fields(auto& self, auto&& field) {
     field("policy", self.policy, "whose motion is the answer");
     field("mode", self.mode, "the papers' own steps, or ours; fused knows ours alone");

@@ -92,7 +92,7 @@ struct AnyFlight {
 };
 
 AnyFlight any_flight(int number) {
-  constexpr double kTiltSigma_rad = 1 * kDegree;  // NavigatorConfig's and FusionConfig's
+  const double tilt_sigma_rad = NavigatorConfig{}.initial_tilt_sigma_rad;
   const auto seed = static_cast<std::uint64_t>(number);
   Random random(seed, 7);
   const auto draw = [&random] {
@@ -103,7 +103,7 @@ AnyFlight any_flight(int number) {
   const Eigen::Vector3d way_m = 0.35 * draw().normalized();
   const Eigen::Vector3d turn_rad = 8 * kDegree * draw().normalized();
   AnyFlight out{.flight = KnownFlight({"any", way_m, turn_rad}, seed),
-                .tilt_rad = kTiltSigma_rad * draw().cwiseProduct(Eigen::Vector3d(1, 1, 0)),
+                .tilt_rad = tilt_sigma_rad * draw().cwiseProduct(Eigen::Vector3d(1, 1, 0)),
                 .height_error_ratio = FusionConfig{}.height_sigma_ratio * random.normal(),
                 .frames = {}};
   out.frames.reserve(KnownFlight::kFrames);
