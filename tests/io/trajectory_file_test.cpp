@@ -29,9 +29,9 @@ TEST(TrajectoryFile, TumReadsBackExactly) {
 
 TEST(TrajectoryFile, EurocAndTumNameTheSamePose) {
   const TemporaryFolder folder;
-  const auto euroc = read_trajectory(
-      folder.file("euroc/data.csv",
-                  "#timestamp, px, py, pz, qw, qx, qy, qz\n1500000000,1,2,3,0.5,-0.5,0.5,0.5,9\n"));
+  const auto euroc = read_trajectory(folder.file(
+      "euroc/data.csv",
+      "#timestamp, px, py, pz, qw, qx, qy, qz, vx\n1500000000,1,2,3,0.5,-0.5,0.5,0.5,9\n"));
   const auto tum = read_trajectory(folder.file("a.txt", "1.5 1 2 3 -0.5 0.5 0.5 0.5\n"));
   ASSERT_EQ(euroc.size(), 1u);
   ASSERT_EQ(tum.size(), 1u);
