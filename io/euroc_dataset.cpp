@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
+#include <numeric>
 #include <string>
 
 #include "geometry/fields.hpp"
@@ -54,6 +56,50 @@ bool in_natural_order(const std::string& a, const std::string& b) {
     if (left != right) return left < right;
   }
   return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
+}
+
+// The last number in a file's name, and what is beside it.
+struct NumberedName {
+  std::string beside;
+  std::int64_t number = 0;
+};
+
+std::optional<NumberedName> numbered(const std::string& name) {
+  constexpr std::size_t kMostDigits = 18;
+  std::size_t end = name.rfind('.');
+  while (end > 0 && !is_digit(name[end - 1])) --end;
+  std::size_t first = end;
+  while (first > 0 && is_digit(name[first - 1])) --first;
+  if (first == end || end - first > kMostDigits) return std::nullopt;
+  return NumberedName{name.substr(0, first) + '*' + name.substr(end),
+                      std::stoll(name.substr(first, end - first))};
+}
+
+// Which picture of a film each is: where their names differ in a number that counts in equal steps,
+// a step that is left out is a picture that is missing; else one follows the other.
+std::vector<std::int64_t> places_in_film(const std::vector<std::string>& names) {
+  std::vector<std::int64_t> in_a_row(names.size());
+  std::iota(in_a_row.begin(), in_a_row.end(), 0);
+  std::vector<std::int64_t> numbers;
+  std::string beside;
+  for (const std::string& name : names) {
+    const std::optional<NumberedName> found = numbered(name);
+    if (!found || (!beside.empty() && found->beside != beside)) return in_a_row;
+    beside = found->beside;
+    numbers.push_back(found->number);
+  }
+  std::vector<std::int64_t> steps(numbers.size());
+  std::adjacent_difference(numbers.begin(), numbers.end(), steps.begin());
+  steps.front() = 0;
+  if (names.size() < 2) return in_a_row;
+  const std::int64_t step = *std::min_element(steps.begin() + 1, steps.end());
+  if (step <= 0) return in_a_row;
+  const bool counts =
+      std::all_of(steps.begin(), steps.end(), [step](std::int64_t by) { return by % step == 0; });
+  if (!counts) return in_a_row;
+  const std::int64_t first = numbers.front();
+  for (std::int64_t& number : numbers) number = (number - first) / step;
+  return numbers;
 }
 
 }  // namespace
@@ -114,10 +160,11 @@ std::vector<StampedImage> list_images(const fs::path& folder, double rate_hz) {
                      "set (mav0/cam0/data.csv)");
   }
   std::sort(names.begin(), names.end(), in_natural_order);
+  const std::vector<std::int64_t> places = places_in_film(names);
   std::vector<StampedImage> images;
-  for (const std::string& name : names) {
-    const double t_s = static_cast<double>(images.size()) / rate_hz;
-    images.push_back({from_seconds(t_s), folder / name});
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double t_s = static_cast<double>(places[i]) / rate_hz;
+    images.push_back({from_seconds(t_s), folder / names[i]});
   }
   return images;
 }

@@ -28,8 +28,8 @@ struct EurocDataset {
 /// on stamps out of order and on pictures that are not there.
 [[nodiscard]] std::vector<StampedImage> read_image_list(const std::filesystem::path& images_csv);
 
-/// The pictures of a folder in the order of the numbers in their names, one every 1 / rate_hz.
-/// Throws InputError if there are none.
+/// The pictures of a folder in the order of the numbers in their names, one every 1 / rate_hz; a
+/// number that is left out is a picture that is missing. Throws InputError if there are none.
 [[nodiscard]] std::vector<StampedImage> list_images(const std::filesystem::path& folder,
                                                     double rate_hz);
 

@@ -166,6 +166,22 @@ TEST(FrameSource, AFolderOfPicturesIsReadInTheOrderOfItsNumbers) {
   }
 }
 
+TEST(FrameSource, ANumberThatIsLeftOutIsAPictureThatIsMissing) {
+  const auto stamps_s = [](const std::vector<std::string>& names) {
+    const TemporaryFolder folder;
+    for (const std::string& name : names) cv::imwrite((folder.path() / name).string(), picture(0));
+    FrameSource source({.path = folder.path(), .rate_hz = 1});
+    std::vector<double> stamps;
+    for (const Frame& frame : read_all(source)) stamps.push_back(to_seconds(frame.stamp));
+    return stamps;
+  };
+  EXPECT_EQ(stamps_s({"a_8.png", "a_9.png", "a_11.png"}), (std::vector<double>{0, 1, 3}));
+  EXPECT_EQ(stamps_s({"10.png", "20.png", "40.png"}), (std::vector<double>{0, 1, 3}));
+  EXPECT_EQ(stamps_s({"1000.png", "1033.png", "1067.png"}), (std::vector<double>{0, 1, 2}));
+  EXPECT_EQ(stamps_s({"a1.png", "a3.png", "b4.png"}), (std::vector<double>{0, 1, 2}));
+  EXPECT_EQ(stamps_s({"a.png", "b.png"}), (std::vector<double>{0, 1}));
+}
+
 // Most cameras of more than 8 bits fill but the lowest 10, 12 or 14 of 16.
 TEST(FrameSource, PicturesOf16BitsAreReadByTheBitsThatTheyUse) {
   const TemporaryFolder folder;
