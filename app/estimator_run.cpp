@@ -73,7 +73,7 @@ void tell_of_sky(const FlightInputs& inputs) {
              "stillkite: no ground is in view at the start: by mount and attitude the camera looks "
              "{:.0f} deg above the horizon (mount.down_deg or the calibration's mount, "
              "initial.roll_deg, initial.pitch_deg)\n",
-             std::asin(up.z()) / kDegree);
+             std::atan2(up.z(), up.head<2>().norm()) / kDegree);
 }
 
 }  // namespace

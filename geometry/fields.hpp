@@ -22,6 +22,7 @@ struct Range {
 inline constexpr Range kAny{};
 inline constexpr Range kPositive{.min = 0.0, .open_min = true};
 inline constexpr Range kNotNegative{.min = 0.0};
+inline constexpr Range kAnySeed{.min = 0, .max = std::numeric_limits<int>::max()};
 
 /// A config struct lists its fields once, in a static member template
 ///

@@ -69,8 +69,7 @@ struct HoverConfig {
   HoldConfig hold{};
 
   static void fields(auto& self, auto&& field) {
-    field("seed", self.seed, kNotNegative,
-          "of everything random; every trial has streams of its own");
+    field("seed", self.seed, kAnySeed, "of everything random; every trial has streams of its own");
     field("scene", self.scene, "what the camera sees");
     field("trials", self.trials, "how many flights");
     field("link", self.link, "what pictures suffer on their way");

@@ -102,7 +102,7 @@ struct SimulationConfig {
   RangeConfig range{};
 
   static void fields(auto& self, auto&& field) {
-    field("seed", self.seed, kNotNegative, "of everything random");
+    field("seed", self.seed, kAnySeed, "of everything random");
     field("camera", self.camera, "lens, sensor and mount");
     field("flight", self.flight, "the way");
     field("ground", self.ground, "what is seen");
