@@ -133,23 +133,34 @@ void draw_velocity(OverlayCanvas& canvas, const Camera& camera, int zoom,
   }
 }
 
-void write_figures(OverlayCanvas& canvas, const NavigationEstimate& estimate) {
+// Only the flow tells lengths before it knows metres: in initial heights.
+void write_lengths(OverlayCanvas& canvas, const NavigationEstimate& estimate) {
   const double u = canvas.unit();
   const bool metric = estimate.scale != ScaleSource::none;
+  if (!metric && estimate.source != EstimateSource::flow) {
+    canvas.text("no speed known", {26 * u, 92 * u}, 22, kWhite, true);
+    canvas.text("no lengths: the place is carried on", {26 * u, 120 * u}, 11.5, kSoft);
+    return;
+  }
   const char* length = metric ? "m" : "heights";
   const Eigen::Vector3d& velocity = estimate.velocity_in_world_m_s;
-  const EulerAngles angles = to_euler(estimate.world_from_body.rotation);
-
-  canvas.panel({14 * u, 14 * u, 356 * u, 164 * u});
-  std::string verdict(name_of(estimate.verdict));
-  std::replace(verdict.begin(), verdict.end(), '_', ' ');
-  canvas.pill(verdict, {26 * u, 26 * u}, 28, colour_of(estimate.verdict));
   canvas.text(fmt::format("{:.2f} {}/s", velocity.norm(), length), {26 * u, 92 * u}, 22, kWhite,
               true);
   canvas.text(fmt::format("V {:+.2f} {:+.2f} {:+.2f}", velocity.x(), velocity.y(), velocity.z()),
               {26 * u, 120 * u}, 11.5, kSoft);
   canvas.text(fmt::format("height {:.2f} {}", estimate.world_from_body.translation.z(), length),
               {26 * u, 142 * u}, 11.5, kSoft);
+}
+
+void write_figures(OverlayCanvas& canvas, const NavigationEstimate& estimate) {
+  const double u = canvas.unit();
+  const EulerAngles angles = to_euler(estimate.world_from_body.rotation);
+
+  canvas.panel({14 * u, 14 * u, 356 * u, 164 * u});
+  std::string verdict(name_of(estimate.verdict));
+  std::replace(verdict.begin(), verdict.end(), '_', ' ');
+  canvas.pill(verdict, {26 * u, 26 * u}, 28, colour_of(estimate.verdict));
+  write_lengths(canvas, estimate);
   canvas.text(fmt::format("roll {:+.1f}  pitch {:+.1f}  yaw {:+.1f}", angles.roll_rad / kDegree,
                           angles.pitch_rad / kDegree, angles.yaw_rad / kDegree),
               {26 * u, 164 * u}, 11.5, kSoft);
