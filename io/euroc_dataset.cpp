@@ -96,7 +96,10 @@ std::vector<std::int64_t> places_in_film(const std::vector<std::string>& names) 
   if (step <= 0) return in_a_row;
   const bool counts =
       std::all_of(steps.begin(), steps.end(), [step](std::int64_t by) { return by % step == 0; });
-  if (!counts) return in_a_row;
+  // so few pictures of so long a film are none
+  constexpr std::int64_t kMostPerPicture = 10;
+  const std::int64_t last_place = (numbers.back() - numbers.front()) / step;
+  if (!counts || last_place > kMostPerPicture * std::ssize(names)) return in_a_row;
   const std::int64_t first = numbers.front();
   for (std::int64_t& number : numbers) number = (number - first) / step;
   return numbers;

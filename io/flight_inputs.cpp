@@ -134,8 +134,9 @@ SensorLog read_sensors(const RunConfig& config) {
     const TimeSeries<Vector6d> all = read_imu(*config.imu.path);
     log.imu = without_leaps(all);
     log.imu_left_out = all.stamps.size() - log.imu.stamps.size();
-    if (log.imu.stamps.empty())
+    if (log.imu.stamps.empty()) {
       throw InputError(config.imu.path->string() + ": tells nothing but zeros");
+    }
     log.angular_rate_in_body_rad_s.stamps = log.imu.stamps;
     for (const Vector6d& value : log.imu.values) {
       log.angular_rate_in_body_rad_s.values.emplace_back(value.head<3>());

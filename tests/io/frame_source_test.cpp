@@ -180,6 +180,7 @@ TEST(FrameSource, ANumberThatIsLeftOutIsAPictureThatIsMissing) {
   EXPECT_EQ(stamps_s({"1000.png", "1033.png", "1067.png"}), (std::vector<double>{0, 1, 2}));
   EXPECT_EQ(stamps_s({"a1.png", "a3.png", "b4.png"}), (std::vector<double>{0, 1, 2}));
   EXPECT_EQ(stamps_s({"a.png", "b.png"}), (std::vector<double>{0, 1}));
+  EXPECT_EQ(stamps_s({"1.png", "2.png", "999999999999999999.png"}), (std::vector<double>{0, 1, 2}));
 }
 
 // Most cameras of more than 8 bits fill but the lowest 10, 12 or 14 of 16.
