@@ -84,6 +84,8 @@ class FusionFilter {
   /// A feature of the first reference that may take the place of a landmark once the start is gone
   /// through again.
   void offer_landmark(const FeatureView& reference);
+  /// What was told of it may be wrong: it is not gone through again.
+  void forget_start() { start_.forget(); }
   /// No landmark of this anchor any more.
   void give_up(int feature);
   /// A frame's features. Those that are no landmarks, behind the camera or refused are left out;
@@ -137,6 +139,8 @@ class FusionFilter {
   /// Metres; the covariance of (translation, rotation vector) in the anchor's axes.
   [[nodiscard]] RigidTransform anchor_from_camera_m() const;
   [[nodiscard]] Matrix6d anchored_covariance() const;
+  /// Since `begin_step`: the camera is not where its speed has carried it, and `step_m` is no way.
+  [[nodiscard]] bool has_leapt() const { return has_leapt_; }
   /// (rad/s)^2, camera axes.
   [[nodiscard]] Eigen::Matrix3d gyro_bias_covariance() const {
     return P_.block<3, 3>(FusionIndex::kGyroBias, FusionIndex::kGyroBias);
@@ -180,10 +184,11 @@ class FusionFilter {
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] bool is_within_gate(const LandmarkView& view) const;
   [[nodiscard]] std::size_t count_refused(const std::vector<LandmarkView>& views) const;
-  void refuse_outliers(std::vector<LandmarkView>& views);
   void doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views);
   void doubt_gyro(double variance);
-  bool correct_jointly(std::vector<LandmarkView>& views);
+  void doubt_place(double speed_variance);
+  bool correct_by(std::vector<LandmarkView>& views);
+  [[nodiscard]] std::optional<JointCorrection> agreeing(std::vector<LandmarkView>& views);
   // 4. Ground and start.
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
   [[nodiscard]] SparseRows<1> log_height_row() const;
@@ -207,7 +212,9 @@ class FusionFilter {
   std::vector<Landmark> landmarks_;
   std::vector<int> dropped_;
   FusionPrediction prediction_;
-  double gyro_s_ = 0;  // that the gyroscope has carried the camera since `begin_step`
+  double gyro_s_ = 0;     // that the gyroscope has carried the camera since `begin_step`
+  double coasted_s_ = 0;  // that no accelerometer has
+  bool has_leapt_ = false;
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
 };
 

@@ -13,6 +13,7 @@ namespace {
 
 using Index = FusionIndex;
 constexpr int kMostRefusals = 5;
+constexpr double kAnySpeed_heights_s = 2;
 
 }  // namespace
 
@@ -77,8 +78,7 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   }
   for (const LandmarkView& view : views) landmarks_[view.landmark].unseen = 0;
   doubt_gyro_where_it_is_contradicted(views);
-  refuse_outliers(views);
-  const bool is_corrected = !views.empty() && correct_jointly(views);
+  const bool is_corrected = correct_by(views);
   if (is_corrected) {
     blame_strays(views);
     start_.see(seen);
@@ -91,6 +91,36 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   }
   settle_unit();
   return is_corrected ? static_cast<int>(views.size()) : 0;
+}
+
+// By those that agree with where the camera should be. Where a third do not, but most do with each
+// other, and no accelerometer tells, the camera has leapt: pictures are missing whose time has not
+// passed.
+bool FusionFilter::correct_by(std::vector<LandmarkView>& views) {
+  const std::size_t count = views.size();
+  const auto are_few = [&](const std::vector<LandmarkView>& agreed) {
+    return 3 * agreed.size() < 2 * count;
+  };
+  std::vector<LandmarkView> after_leap = views;
+  std::optional<JointCorrection> correction = agreeing(views);
+  if (!correction) views.clear();
+  if (are_few(views) && coasted_s_ > 0 && static_cast<int>(count) >= config_.min_landmarks) {
+    const double variance =
+        square(kAnySpeed_heights_s * height(state_.world_from_camera.translation));
+    doubt_place(variance);
+    std::optional<JointCorrection> other = agreeing(after_leap);
+    has_leapt_ = other && !are_few(after_leap);
+    if (has_leapt_) {
+      correction = std::move(other);
+      views = std::move(after_leap);
+    } else {
+      doubt_place(-variance);
+    }
+  }
+  if (!correction) return false;
+  subtract_gram(correction->A_t, P_);
+  inject(correction->error);
+  return true;
 }
 
 // What lies where things at two depths meet moves as no point does, a little: it stays within what
@@ -156,16 +186,21 @@ void FusionFilter::doubt_gyro(double variance) {
   P_.block<3, 3>(b, r) += variance * turn_by_bias.transpose();
 }
 
-void FusionFilter::refuse_outliers(std::vector<LandmarkView>& views) {
+// What it leaps by tells nothing of its speed.
+void FusionFilter::doubt_place(double speed_variance) {
+  P_.diagonal().segment<3>(Index::kPosition).array() += square(coasted_s_) * speed_variance;
+  P_.diagonal().segment<3>(Index::kVelocity).array() += speed_variance;
+}
+
+// Without those that the gate refuses or that contradict the rest, one by one; where half of these
+// would have to go none is believed.
+std::optional<JointCorrection> FusionFilter::agreeing(std::vector<LandmarkView>& views) {
   std::erase_if(views, [&](const LandmarkView& view) {
     const bool is_near = is_within_gate(view);
     if (!is_near) ++landmarks_[view.landmark].refused;
     return !is_near;
   });
-}
-
-// Without those that contradict the rest, one by one; where half would have to go none is believed.
-bool FusionFilter::correct_jointly(std::vector<LandmarkView>& views) {
+  if (views.empty()) return std::nullopt;
   const std::size_t fewest = views.size() / 2;
   std::optional<JointCorrection> correction = joint_correction(state_, landmarks_, P_, views);
   while (correction) {
@@ -173,13 +208,10 @@ bool FusionFilter::correct_jointly(std::vector<LandmarkView>& views) {
     if (!outlier) break;
     ++landmarks_[views[*outlier].landmark].refused;
     views.erase(views.begin() + static_cast<std::ptrdiff_t>(*outlier));
-    if (views.size() <= fewest) return false;
+    if (views.size() <= fewest) return std::nullopt;
     correction = joint_correction(state_, landmarks_, P_, views);
   }
-  if (!correction) return false;
-  subtract_gram(correction->A_t, P_);
-  inject(correction->error);
-  return true;
+  return correction;
 }
 
 void FusionFilter::drop_refused() {

@@ -45,6 +45,9 @@ class MotionFilter {
   /// Poses are told relative to this one from now on: it has no error.
   void take_as_origin();
 
+  /// The camera may be elsewhere by so much.
+  void doubt_place(double sigma_m) { P_.diagonal().head<3>().array() += sigma_m * sigma_m; }
+
   /// At rest, as far as the standard deviations say; where, is as uncertain as before.
   void forget_speed(double velocity_sigma_m_s, double rate_sigma_rad_s);
 

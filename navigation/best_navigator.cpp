@@ -127,6 +127,7 @@ NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,
       out.twist_covariance += unproven(flow.twist_in_camera.velocity_m_s.norm(), height);
     }
   }
+  out.picture_speed_px_s = flow.picture_speed_px_s;
   out.reference = reference.reference;
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   return out;

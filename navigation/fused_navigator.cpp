@@ -56,6 +56,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   // 1. Either estimator by itself: the flow's picture is not searched for where it is of no use,
   //    and the reference's is told the vertical.
   const NavigationEstimate flow = flow_.step(frame, interval, readings, flow_hints());
+  if (flow_.has_leapt()) filter_.forget_start();
   SensorReadings hints = readings;
   if (!hints.attitude) hints.attitude = guessed_attitude(flow);
   const NavigationEstimate reference = reference_.step(frame, interval, hints);
@@ -76,6 +77,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
                                                           : unmeasured(reference.verdict);
   NavigationEstimate out =
       with_report(answer(frame, verdict, velocity), reference, since_reference);
+  out.picture_speed_px_s = flow.picture_speed_px_s;
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   return out;

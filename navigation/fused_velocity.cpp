@@ -9,7 +9,7 @@ namespace stillkite {
 VectorEstimate velocity_by_way(const FusionFilter& filter, double step_s,
                                const Eigen::Quaterniond& world_from_axes) {
   const Eigen::Matrix3d R_t = world_from_axes.conjugate().toRotationMatrix();
-  if (!(step_s > 0)) {
+  if (!(step_s > 0) || filter.has_leapt()) {
     return {R_t * filter.velocity_in_world_m_s(),
             R_t * filter.velocity_covariance() * R_t.transpose()};
   }

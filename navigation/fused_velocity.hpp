@@ -9,7 +9,8 @@
 namespace stillkite {
 
 /// Mean velocity, m/s, over the interval of `step_s` that ends at the filter's frame: the way by
-/// both its ends, of which the later frame has told too. In the axes that `world_from_axes` has.
+/// both its ends, of which the later frame has told too; after a leap the filter's. In the axes
+/// that `world_from_axes` has.
 [[nodiscard]] VectorEstimate velocity_by_way(const FusionFilter& filter, double step_s,
                                              const Eigen::Quaterniond& world_from_axes);
 

@@ -89,6 +89,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   if (new_keyframe) take_keyframe();
   NavigationEstimate out = answer(frame, verdict);
   out.new_keyframe = new_keyframe;
+  if (verdict == Verdict::ok) out.picture_speed_px_s = mean_shift_px() / interval.dt_s;
   out.quality = quality_of(alignment);
   out.stage_ms = {pyramid_ms, flow_ms, 0, watch.lap_ms()};
   return out;
@@ -240,18 +241,36 @@ void KeyframeNavigator::remember_windows(const FrameInterval& interval) {
   keyframe_is_previous_ = false;
 }
 
-std::vector<WindowFlow> KeyframeNavigator::windows() const {
-  std::vector<WindowFlow> out;
-  if (!has_windows_) return out;
+// Those in view: where, by how much since the frame before, its weight.
+void KeyframeNavigator::for_each_window(auto&& visit) const {
+  if (!has_windows_) return;
   const TilePlacement& now = aligner_.placement();
   const std::vector<float>& weights = aligner_.weights();
   for (std::size_t i = 0; i < std::min(weights.size(), previous_x_px_.size()); ++i) {
     const Eigen::Vector2f at(now.x_px[i], now.y_px[i]);
     const Eigen::Vector2f before(previous_x_px_[i], previous_y_px_[i]);
     if (at.minCoeff() < 0 || before.minCoeff() < 0) continue;  // padding, or out of sight
-    out.push_back({at, at - before, weights[i]});
+    visit(at, Eigen::Vector2f(at - before), weights[i]);
   }
+}
+
+std::vector<WindowFlow> KeyframeNavigator::windows() const {
+  std::vector<WindowFlow> out;
+  for_each_window([&](const Eigen::Vector2f& at, const Eigen::Vector2f& shift_px, float weight) {
+    out.push_back({at, shift_px, weight});
+  });
   return out;
+}
+
+// Since the frame before that showed something.
+double KeyframeNavigator::mean_shift_px() const {
+  double sum_px = 0;
+  int count = 0;
+  for_each_window([&](const Eigen::Vector2f&, const Eigen::Vector2f& shift_px, float) {
+    sum_px += static_cast<double>(shift_px.norm());
+    ++count;
+  });
+  return count == 0 ? 0 : sum_px / count;
 }
 
 bool KeyframeNavigator::count_success(const PlaneAlignment& alignment) {

@@ -31,6 +31,8 @@ class KeyframeNavigator {
   /// Of the last frame; empty where nothing was aligned.
   [[nodiscard]] std::vector<WindowFlow> windows() const;
 
+  [[nodiscard]] bool has_leapt() const { return track_.has_leapt(); }
+
   /// What the last frame showed of the motion since the keyframe, before any filter, about a normal
   /// near enough to the one that was hinted at for first order; nothing where its verdict is not
   /// ok.
@@ -49,6 +51,8 @@ class KeyframeNavigator {
   [[nodiscard]] KeyframeView view_of(const PlaneAlignment& alignment,
                                      const std::optional<Eigen::Vector3d>& normal);
   void remember_windows(const FrameInterval& interval);
+  void for_each_window(auto&& visit) const;
+  [[nodiscard]] double mean_shift_px() const;
   [[nodiscard]] Verdict judge(const PlaneAlignment& alignment) const;
   // True: a new keyframe is due.
   [[nodiscard]] bool count_success(const PlaneAlignment& alignment);

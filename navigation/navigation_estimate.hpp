@@ -72,6 +72,7 @@ struct NavigationEstimate {
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)
   std::optional<Twist> measured_twist;           ///< this frame's least squares, before the filter
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
+  double picture_speed_px_s = 0;  ///< of the ground, since the frame before; 0: not measured
 
   ScaleSource scale = ScaleSource::none;
   double scale_age_s = 0;  ///< since the last reading of that source

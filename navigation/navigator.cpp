@@ -60,14 +60,16 @@ struct Navigator::State {
   Camera camera;
   FrameClock clock;
   Method method;
+  double picture_speed_px_s = 0;  // by the frame before
 };
 
 Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camera,
                      const NavigatorConfig& config, const InitialState& initial,
                      const EstimatorConfig& estimator)
     : state_(std::make_unique<State>(
-          State{camera, FrameClock(config.trust.max_gap_s),
-                make_method(camera, body_from_camera, config, initial, estimator)})) {}
+          State{.camera = camera,
+                .clock = FrameClock(config.trust.max_gap_s),
+                .method = make_method(camera, body_from_camera, config, initial, estimator)})) {}
 Navigator::~Navigator() = default;
 Navigator::Navigator(Navigator&&) noexcept = default;
 Navigator& Navigator::operator=(Navigator&&) noexcept = default;
@@ -76,9 +78,11 @@ Navigator& Navigator::operator=(Navigator&&) noexcept = default;
 // ReferenceNavigator::step, BestNavigator::step or FusedNavigator::step.
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
   check_picture(frame, state_->camera);
-  const FrameInterval interval = state_->clock.pass(frame);
-  return std::visit([&](auto& method) { return method.step(frame, interval, readings); },
-                    state_->method);
+  const FrameInterval interval = state_->clock.pass(frame, state_->picture_speed_px_s);
+  const NavigationEstimate estimate = std::visit(
+      [&](auto& method) { return method.step(frame, interval, readings); }, state_->method);
+  state_->picture_speed_px_s = estimate.picture_speed_px_s;
+  return estimate;
 }
 
 std::vector<WindowFlow> Navigator::windows() const {

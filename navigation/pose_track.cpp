@@ -29,6 +29,7 @@ void PoseTrack::start(const SensorReadings& readings, Timestamp now) {
 }
 
 void PoseTrack::predict(double dt_s, const SensorReadings& readings) {
+  has_leapt_ = false;
   const double max_gap_s = config_.trust.max_gap_s;
   const double with_speed_s = std::clamp(max_gap_s - blind_s_, 0.0, dt_s);
   if (with_speed_s > 0) filter_.predict(with_speed_s);
@@ -80,11 +81,31 @@ void PoseTrack::accept(const PlaneAlignment& alignment, const SensorReadings& re
   correct_keyframe(alignment, readings, now);
   const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
+  const double leap_m = leap_to(chained);
+  has_leapt_ = leap_m > 0;
+  if (has_leapt_) {  // where it is the pictures show; how fast they do not
+    filter_.doubt_place(leap_m);
+    forget_speed();
+  }
   tell(filter_, chained, alignment);
   camera_ = chained.camera;
   level_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
   beyond_filter_ = camera_.covariance - filter_.pose_covariance();
   blind_s_ = 0;
+}
+
+// 0: no further than a drone may have been accelerated.
+double PoseTrack::leap_to(const ChainedPose& chained) const {
+  constexpr double kMost_m_s2 = 50;
+  constexpr double kSigmas = 5;
+  if (keyframe_.scale == ScaleSource::none) return 0;
+  const RigidTransform seen = keyframe_.pose.world_from_camera * chained.keyframe_from_camera;
+  const double off_m = (seen.translation - filter_.pose().translation).norm();
+  const double variance_m2 =
+      (filter_.pose_covariance() + chained.relative_covariance).topLeftCorner<3, 3>().trace();
+  const double most_m =
+      std::max(kMost_m_s2 * blind_s_ * blind_s_, kSigmas * std::sqrt(variance_m2));
+  return off_m > most_m ? off_m : 0;
 }
 
 // A reading at this frame says what it would have been at the keyframe: the alignment knows the

@@ -42,12 +42,16 @@ class PoseTrack {
   /// The filter as it would be after this alignment.
   [[nodiscard]] MotionFilter filter_after(const PlaneAlignment& alignment) const;
   [[nodiscard]] const PoseEstimate& camera() const { return camera_; }
+  /// The last frame shows the camera further on than any drone is accelerated: pictures
+  /// are missing whose time has not passed, or those before were sent again.
+  [[nodiscard]] bool has_leapt() const { return has_leapt_; }
   [[nodiscard]] ScaleSource scale() const { return keyframe_.scale; }
   [[nodiscard]] Timestamp scale_stamp() const { return keyframe_.scale_stamp; }
 
  private:
   void correct_keyframe(const PlaneAlignment& alignment, const SensorReadings& readings,
                         Timestamp now);
+  [[nodiscard]] double leap_to(const ChainedPose& chained) const;
   void forget_speed();
   void tell(MotionFilter& filter, const ChainedPose& chained,
             const PlaneAlignment& alignment) const;
@@ -61,6 +65,7 @@ class PoseTrack {
   RigidTransform level_from_filter_;           // the keyframe's levelling
   Matrix6d beyond_filter_ = Matrix6d::Zero();  // covariance of the pose that the filter is not told
   double blind_s_ = 0;                         // since the last measurement
+  bool has_leapt_ = false;
 };
 
 }  // namespace stillkite

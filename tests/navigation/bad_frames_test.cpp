@@ -181,6 +181,32 @@ TEST_P(BadTimes, PictureOfAnotherSizeIsAnInputError) {
 INSTANTIATE_TEST_SUITE_P(Navigator, BadTimes, testing::Values(Mode::paper, Mode::recommended),
                          [](const auto& mode) { return std::string(name_of(mode.param)); });
 
+// A recording that has lost pictures, and whose stamps do not tell: the camera leaps by 2.4 m.
+TEST(BadFrame, LeapIsNoSpeed) {
+  const auto& flight = rendered_flight();
+  constexpr std::size_t kCut = 30;
+  constexpr std::size_t kLost = 10;
+  for (const Policy policy : {Policy::flow, Policy::best, Policy::fused}) {
+    SCOPED_TRACE(name_of(policy));
+    Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, flight.start(),
+                        {.policy = policy});
+    for (std::size_t i = 0; i + kLost < flight.frames.size(); ++i) {
+      const std::size_t shown = i < kCut ? i : i + kLost;
+      const Frame frame{flight.frames[i].stamp, flight.frames[i].index, flight.frames[shown].grey};
+      const NavigationEstimate e = navigator.step(frame);
+      if (i < kCut - 1) continue;
+      EXPECT_LT(e.velocity_in_world_m_s.norm(), 10) << i;
+      if (i == kCut) {
+        EXPECT_GT(e.twist_covariance(0, 0), 4) << "how fast it is nobody knows";
+      }
+      if (i <= kCut + 1) continue;
+      const Eigen::Vector3d off = e.world_from_body.translation - flight.truth(shown).translation;
+      EXPECT_LT(off.norm(), 0.15) << i;
+      EXPECT_LT(position_nees(e, flight.truth(shown)), 25) << i;
+    }
+  }
+}
+
 // Whatever the motion before: the sums over a bare picture leave nothing but their rounding.
 TEST(BadFrame, ABarePictureIsNoAnswerWheneverItComes) {
   const auto& flight = rendered_flight();
