@@ -150,30 +150,34 @@ void judge(const Flight& flight, const Film& film, const Codec& codec, Policy po
              name_of(policy), end_m, most_m, frozen, wrong);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app("Recordings that were sent again, stood still or lost pictures, by each policy");
   int seed = 1;
   app.add_option("--seed", seed, "of flight, ground and noise")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  try {
-    const Flight flight = fly(demo_flight(seed));
-    fmt::print("metres off at the end and at most; frames frozen, and ok but over 5 sigma off\n");
-    fmt::print("{:<5} {:<22} {:<10} {:>7} {:>7} {:>6} {:>6}\n", "codec", "film", "policy", "end",
-               "most", "frozen", "wrong");
-    for (const Codec& codec : {Codec{"avc1", "mp4"}, {"mp4v", "mp4"}, {"MJPG", "avi"}}) {
-      for (const Film& film : films(flight.pictures.size())) {
-        const std::vector<cv::Mat> pictures = coded(flight, film, codec);
-        for (const Policy policy : {Policy::flow, Policy::best, Policy::fused}) {
-          judge(flight, film, codec, policy, pictures);
-          std::fflush(stdout);
-        }
+  const Flight flight = fly(demo_flight(seed));
+  fmt::print("metres off at the end and at most; frames frozen, and ok but over 5 sigma off\n");
+  fmt::print("{:<5} {:<22} {:<10} {:>7} {:>7} {:>6} {:>6}\n", "codec", "film", "policy", "end",
+             "most", "frozen", "wrong");
+  for (const Codec& codec : {Codec{"avc1", "mp4"}, {"mp4v", "mp4"}, {"MJPG", "avi"}}) {
+    for (const Film& film : films(flight.pictures.size())) {
+      const std::vector<cv::Mat> pictures = coded(flight, film, codec);
+      for (const Policy policy : {Policy::flow, Policy::best, Policy::fused}) {
+        judge(flight, film, codec, policy, pictures);
+        std::fflush(stdout);
       }
     }
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
   } catch (const std::exception& error) {
     fmt::print(stderr, "bench_film_faults: {}\n", error.what());
     return 1;
   }
-  return 0;
 }

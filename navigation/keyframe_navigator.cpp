@@ -112,17 +112,12 @@ PlaneAlignment KeyframeNavigator::align(bool may_search) {
   ++aligned_;
   PlaneAlignment best = align_from(predicted);
   if (!may_search || (!is_vague && judge(best) != Verdict::lost)) return best;
-  PlaneMotion from = predicted;
-  bool is_last = true;
   for (const PlaneMotion& guess : searched_motions()) {
     const PlaneAlignment other = align_from(guess);
-    is_last = is_better(other, best);
-    if (!is_last) continue;
-    best = other;
-    from = guess;
+    if (is_better(other, best)) best = other;
   }
-  // the windows shown are those of the last alignment
-  return is_last ? best : align_from(from);
+  // from so far away the steps do not end where they should
+  return best.solvable ? align_from(best.motion) : best;
 }
 
 bool KeyframeNavigator::learns_speed() const {
