@@ -285,6 +285,30 @@ TEST(BadFrame, CoveredCameraFindsItsWayBack) {
   }
 }
 
+// After a second and a half of the same picture, a third of it further on.
+TEST(BadFrame, FarKeyframeIsFoundAgainWhereItIs) {
+  double nees = 0;
+  int found = 0;
+  for (const int seed : {1, 2, 3, 4}) {
+    SimulationConfig config = test::small_flight(seed);
+    config.flight.height_m = 20;
+    const test::RenderedFlight flight = test::film(config);
+    Navigator navigator = flight.navigator();
+    const std::size_t last = flight.frames.size() - 1;
+    for (std::size_t i = 0; i < last; ++i) {
+      Frame frame = flight.frames[i];
+      frame.grey = flight.frames[std::min<std::size_t>(i, 14)].grey;
+      (void)navigator.step(frame);
+    }
+    const NavigationEstimate e = navigator.step(flight.frames[last]);
+    if (e.verdict != Verdict::ok) continue;
+    ++found;
+    nees += position_nees(e, flight.truth(last));
+  }
+  EXPECT_GE(found, 3);
+  EXPECT_LT(nees / found, 10);
+}
+
 // Every window of a ground that moves by itself goes its own way.
 TEST(MovingGround, IsNotTakenForMotion) {
   const cv::Mat still = rendered_flight().frames[0].grey;
