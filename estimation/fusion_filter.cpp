@@ -135,8 +135,8 @@ void FusionFilter::begin_step() {
   start_.begin_frame();
   start_.remember([](FusionFilter& filter) { filter.begin_step(); });
   state_.step_start = state_.world_from_camera.translation;
-  gyro_s_ = coasted_s_ = 0;
-  has_leapt_ = false;
+  step_s_ = gyro_s_ = 0;
+  has_accel_ = has_leapt_ = false;
   clone(Index::kPosition, 3, Index::kStepStart);
   prediction_ = {state_, own_covariance(), OwnMatrix::Identity()};
 }

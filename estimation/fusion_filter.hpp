@@ -183,10 +183,8 @@ class FusionFilter {
   void age_windows(std::span<const FeatureView> seen);
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] bool is_within_gate(const LandmarkView& view) const;
-  [[nodiscard]] std::size_t count_refused(const std::vector<LandmarkView>& views) const;
-  void doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views);
-  void doubt_gyro(double variance);
-  void doubt_place(double speed_variance);
+  void doubt_gyro(int sign);
+  void doubt_place(int sign);
   bool correct_by(std::vector<LandmarkView>& views);
   [[nodiscard]] std::optional<JointCorrection> agreeing(std::vector<LandmarkView>& views);
   // 4. Ground and start.
@@ -212,8 +210,10 @@ class FusionFilter {
   std::vector<Landmark> landmarks_;
   std::vector<int> dropped_;
   FusionPrediction prediction_;
-  double gyro_s_ = 0;     // that the gyroscope has carried the camera since `begin_step`
-  double coasted_s_ = 0;  // that no accelerometer has
+  // since `begin_step`
+  double step_s_ = 0;
+  double gyro_s_ = 0;  // of it, carried by the gyroscope
+  bool has_accel_ = false;
   bool has_leapt_ = false;
   Eigen::MatrixXd P_;  // its leading size() rows and columns are in use
 };

@@ -13,7 +13,6 @@ namespace {
 
 using Index = FusionIndex;
 constexpr int kMostRefusals = 5;
-constexpr double kAnySpeed_heights_s = 2;
 
 }  // namespace
 
@@ -77,7 +76,6 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
     ++landmark.unseen;
   }
   for (const LandmarkView& view : views) landmarks_[view.landmark].unseen = 0;
-  doubt_gyro_where_it_is_contradicted(views);
   const bool is_corrected = correct_by(views);
   if (is_corrected) {
     blame_strays(views);
@@ -93,29 +91,32 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
   return is_corrected ? static_cast<int>(views.size()) : 0;
 }
 
-// By those that agree with where the camera should be. Where a third do not, but most do with each
-// other, and no accelerometer tells, the camera has leapt: pictures are missing whose time has not
-// passed.
+// By those that agree with where the camera should be. Where a third do not, but most do once one
+// thing is doubted, that is wrong: the gyroscope's bias has jumped; or the camera has leapt, for
+// pictures are missing whose time has not passed.
 bool FusionFilter::correct_by(std::vector<LandmarkView>& views) {
-  const std::size_t count = views.size();
+  const std::vector<LandmarkView> all = views;
   const auto are_few = [&](const std::vector<LandmarkView>& agreed) {
-    return 3 * agreed.size() < 2 * count;
+    return 3 * agreed.size() < 2 * all.size();
   };
-  std::vector<LandmarkView> after_leap = views;
   std::optional<JointCorrection> correction = agreeing(views);
   if (!correction) views.clear();
-  if (are_few(views) && coasted_s_ > 0 && static_cast<int>(count) >= config_.min_landmarks) {
-    const double variance =
-        square(kAnySpeed_heights_s * height(state_.world_from_camera.translation));
-    doubt_place(variance);
-    std::optional<JointCorrection> other = agreeing(after_leap);
-    has_leapt_ = other && !are_few(after_leap);
-    if (has_leapt_) {
+  const auto is_explained_by = [&](auto&& doubt) {
+    doubt(1);
+    std::vector<LandmarkView> others = all;
+    std::optional<JointCorrection> other = agreeing(others);
+    const bool is_explained = other && !are_few(others);
+    if (is_explained) {
       correction = std::move(other);
-      views = std::move(after_leap);
+      views = std::move(others);
     } else {
-      doubt_place(-variance);
+      doubt(-1);
     }
+    return is_explained;
+  };
+  if (are_few(views) && static_cast<int>(all.size()) >= config_.min_landmarks) {
+    const bool is_gyro = gyro_s_ > 0 && is_explained_by([this](int sign) { doubt_gyro(sign); });
+    has_leapt_ = !is_gyro && is_explained_by([this](int sign) { doubt_place(sign); });
   }
   if (!correction) return false;
   subtract_gram(correction->A_t, P_);
@@ -158,26 +159,13 @@ bool FusionFilter::is_within_gate(const LandmarkView& view) const {
          2 * square(config_.gate_sigma);
 }
 
-std::size_t FusionFilter::count_refused(const std::vector<LandmarkView>& views) const {
-  return static_cast<std::size_t>(std::count_if(
-      views.begin(), views.end(), [&](const LandmarkView& v) { return !is_within_gate(v); }));
-}
-
-// Where many views at once are far from their prediction, and a bias that is no better known than
-// at the start would explain most of them, the gyroscope's has jumped.
-void FusionFilter::doubt_gyro_where_it_is_contradicted(const std::vector<LandmarkView>& views) {
-  if (gyro_s_ == 0 || static_cast<int>(views.size()) < config_.min_landmarks) return;
-  const std::size_t refused = count_refused(views);
-  if (3 * refused < views.size()) return;
-  const double variance = square(config_.gyro_bias_sigma_rad_s);
-  doubt_gyro(variance);
-  if (2 * count_refused(views) > refused) doubt_gyro(-variance);
-}
-
-// Over the last step, and from now on.
-void FusionFilter::doubt_gyro(double variance) {
+// Over the last step, and from now on; a jump is none of what a data sheet says of the bias. The
+// sign: -1 takes it back.
+void FusionFilter::doubt_gyro(int sign) {
+  constexpr double kJump_rad_s = 0.02;
   constexpr int r = Index::kRotation;
   constexpr int b = Index::kGyroBias;
+  const double variance = sign * square(kJump_rad_s);
   const Eigen::Matrix3d turn_by_bias =
       -gyro_s_ * state_.world_from_camera.rotation.toRotationMatrix();
   P_.diagonal().segment<3>(b).array() += variance;
@@ -186,10 +174,15 @@ void FusionFilter::doubt_gyro(double variance) {
   P_.block<3, 3>(b, r) += variance * turn_by_bias.transpose();
 }
 
-// What it leaps by tells nothing of its speed.
-void FusionFilter::doubt_place(double speed_variance) {
-  P_.diagonal().segment<3>(Index::kPosition).array() += square(coasted_s_) * speed_variance;
-  P_.diagonal().segment<3>(Index::kVelocity).array() += speed_variance;
+// What it leaps by tells nothing of its speed, which is in doubt as well where no accelerometer
+// tells it.
+void FusionFilter::doubt_place(int sign) {
+  constexpr double kAnySpeed_heights_s = 2;
+  const double speed = kAnySpeed_heights_s * height(state_.world_from_camera.translation);
+  const double variance = sign * square(speed);
+  P_.diagonal().segment<3>(Index::kPosition).array() += square(step_s_) * variance;
+  if (has_accel_) return;
+  P_.diagonal().segment<3>(Index::kVelocity).array() += variance;
 }
 
 // Without those that the gate refuses or that contradict the rest, one by one; where half of these

@@ -104,7 +104,8 @@ void FusionFilter::predict(const InertialStep& step) {
   noise.diagonal().segment<3>(Index::kRotation).setConstant(square(rate_density) * dt_s);
   propagate(F, noise, dt_s);
   if (has_gyro) gyro_s_ += dt_s;
-  if (!has_accel) coasted_s_ += dt_s;
+  step_s_ += dt_s;
+  has_accel_ |= has_accel;
   state_ = moved(state_, step);
   prediction_.state = state_;
   prediction_.covariance = own_covariance();

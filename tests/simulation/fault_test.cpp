@@ -99,8 +99,7 @@ struct FaultyFlight {
   bool is_finite = true;        ///< every command
 };
 
-FaultyFlight fly_with(FaultKind kind) {
-  const HoverConfig config = faulty_flight(kind);
+FaultyFlight fly_with(const HoverConfig& config) {
   const TrialRecord record = fly_trial(config, hover_world_of_faults(), {.seed = 3});
   FaultyFlight flown;
   const auto first = std::find_if(record.samples.begin(), record.samples.end(),
@@ -133,6 +132,10 @@ FaultyFlight fly_with(FaultKind kind) {
   }
   flown.mean_nees_after /= std::max(after, 1);
   return flown;
+}
+
+FaultyFlight fly_with(FaultKind kind) {
+  return fly_with(faulty_flight(kind));
 }
 
 void expect_near_and_back(const FaultyFlight& flown) {
@@ -207,6 +210,17 @@ TEST_P(FaultThatIsNotTold, TheFlightIsAnotherOneFromItsStartOn) {
     apart_m = std::max(apart_m, difference_m.norm());
   }
   EXPECT_GT(apart_m, 1e-5);
+}
+
+// A jump is none of what a data sheet says of the bias.
+TEST(Fault, AGyroscopesBiasThatJumpsIsEstimatedHoweverWellItWasKnown) {
+  HoverConfig config = faulty_flight(FaultKind::gyro_bias);
+  config.navigator.fusion.gyro_bias_sigma_rad_s = 0.002;
+  config.navigator.fusion.gyro_bias_walk = 2e-5;
+  config.navigator.fusion.gyro_density = 1.7e-4;
+  const FaultyFlight flown = fly_with(config);
+  expect_near_and_back(flown);
+  EXPECT_LT(flown.worst_place_m, 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, FaultThatIsNotTold,
