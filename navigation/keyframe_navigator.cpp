@@ -112,12 +112,16 @@ PlaneAlignment KeyframeNavigator::align(bool may_search) {
   ++aligned_;
   PlaneAlignment best = align_from(predicted);
   if (!may_search || (!is_vague && judge(best) != Verdict::lost)) return best;
+  PlaneMotion from = predicted;
   for (const PlaneMotion& guess : searched_motions()) {
     const PlaneAlignment other = align_from(guess);
-    if (is_better(other, best)) best = other;
+    if (!is_better(other, best)) continue;
+    best = other;
+    from = other.motion;
   }
-  // from so far away the steps do not end where they should
-  return best.solvable ? align_from(best.motion) : best;
+  // from as far away as a guess the steps do not end where they should; and the windows shown are
+  // those of the last alignment
+  return align_from(from);
 }
 
 bool KeyframeNavigator::learns_speed() const {
