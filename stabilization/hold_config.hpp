@@ -59,7 +59,7 @@ struct RecommendedHoldConfig {
   bool predict = true;
   double lag_s = 0.5;
   double damped_within_m = 0.5;
-  double overhead_horizon_s = 5.0;
+  double overhead_horizon_s = 8.0;
   double drift_memory_s = 2.0;
 
   static void fields(auto& self, auto&& field) {

@@ -19,8 +19,9 @@ struct AzimuthDrive {
 /// The azimuth rate to begin with so that for `horizon_s` the tether's vertical plane passes as
 /// near to that way as it can, in the mean of squares; the elevation then moves the drone within
 /// the plane, also across the zenith. Near overhead, where the way asks for more than the azimuth
-/// can turn, this tells whether to turn with it or to let it pass on the other side. Two moves are
-/// looked ahead, the first of half a second (predictive control; docs/hold_controller.md).
+/// can turn, this tells whether to turn with it or to let it pass on the other side: the rate holds
+/// for a sixteenth of the horizon, and then the plane turns after the way as fast as it can, to
+/// either side (predictive control; docs/hold_controller.md).
 /// 0 for a way that is not finite.
 [[nodiscard]] double turn_to_way_rad_s(double azimuth_rad, const LevelWay& way,
                                        const AzimuthDrive& drive, double horizon_s);

@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 using std::numbers::pi;
 
 constexpr AzimuthDrive kDrive{.rate_limit_rad_s = 0.2, .lag_s = 0.5};
-constexpr double kHorizon_s = 5;
+constexpr double kHorizon_s = 8;
 
 double turn(double azimuth_rad, const Vector2d& now_m, const Vector2d& drift_m_s) {
   return turn_to_way_rad_s(azimuth_rad, {now_m, drift_m_s}, kDrive, kHorizon_s);
@@ -58,6 +58,33 @@ TEST(TurnToWay, LetsWhatPassesTooNearPassOnTheOtherSide) {
   EXPECT_LT(passing(0.2, 0.4), -0.1);
   EXPECT_LT(passing(-1.5, 0.4), -0.1);
   EXPECT_GT(passing(-0.2, 0.4), 0.1);
+}
+
+// Root of the mean square of what the way is off the plane, from 2 m before the zenith to 2 m behind it.
+double off_while_passing_m(double aside_m) {
+  constexpr double kStep_s = 0.02, kSpeed_m_s = 0.2;
+  double azimuth_rad = std::atan2(aside_m, 2), rate_rad_s = 0, sum_m2 = 0;
+  int count = 0;
+  for (double ahead_m = 2; ahead_m > -2; ahead_m -= kSpeed_m_s * kStep_s, ++count) {
+    const Vector2d here(ahead_m, aside_m);
+    const double command = turn(azimuth_rad, here, {-kSpeed_m_s, 0});
+    rate_rad_s += (command - rate_rad_s) * kStep_s / kDrive.lag_s;
+    azimuth_rad += rate_rad_s * kStep_s;
+    const double off_m = here.norm() * std::sin(azimuth_rad - std::atan2(here.y(), here.x()));
+    sum_m2 += off_m * off_m;
+  }
+  return std::sqrt(sum_m2 / count);
+}
+
+// Far aside it goes round, near it across; in between neither is near.
+TEST(TurnToWay, PassesTheZenithTheBetterWay) {
+  EXPECT_LT(off_while_passing_m(0.1), 0.035);
+  EXPECT_LT(off_while_passing_m(0.3), 0.12);
+  EXPECT_LT(off_while_passing_m(0.4), 0.18);
+  EXPECT_LT(off_while_passing_m(0.5), 0.21);
+  EXPECT_LT(off_while_passing_m(0.6), 0.14);
+  EXPECT_LT(off_while_passing_m(0.8), 0.045);
+  EXPECT_LT(off_while_passing_m(1.0), 0.05);
 }
 
 TEST(TurnToWay, NothingForWhatCannotBe) {
