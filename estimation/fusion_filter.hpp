@@ -120,6 +120,7 @@ class FusionFilter {
   [[nodiscard]] const std::vector<int>& dropped() const { return dropped_; }
   /// Metres.
   [[nodiscard]] RigidTransform world_from_camera_m() const;
+  [[nodiscard]] const Eigen::Vector3d& start_m() const { return start_m_; }
   /// Of the camera over the ground; of its logarithm the variance.
   [[nodiscard]] double height_m() const;
   [[nodiscard]] double log_height_variance() const;
@@ -186,7 +187,9 @@ class FusionFilter {
   void doubt_gyro(int sign);
   void doubt_place(int sign);
   bool correct_by(std::vector<LandmarkView>& views);
-  [[nodiscard]] std::optional<JointCorrection> agreeing(std::vector<LandmarkView>& views);
+  [[nodiscard]] std::optional<JointCorrection> agreeing(std::vector<LandmarkView>& views) const;
+  void count_refusals(const std::vector<LandmarkView>& all,
+                      const std::vector<LandmarkView>& agreed);
   // 4. Ground and start.
   [[nodiscard]] double height(const Eigen::Vector3d& position) const;
   [[nodiscard]] SparseRows<1> log_height_row() const;

@@ -100,6 +100,7 @@ bool FusionFilter::correct_by(std::vector<LandmarkView>& views) {
     return 3 * agreed.size() < 2 * all.size();
   };
   std::optional<JointCorrection> correction = agreeing(views);
+  std::vector<LandmarkView> agreed = views;  // also where that are too few
   if (!correction) views.clear();
   const auto is_explained_by = [&](auto&& doubt) {
     doubt(1);
@@ -108,7 +109,7 @@ bool FusionFilter::correct_by(std::vector<LandmarkView>& views) {
     const bool is_explained = other && !are_few(others);
     if (is_explained) {
       correction = std::move(other);
-      views = std::move(others);
+      views = agreed = std::move(others);
     } else {
       doubt(-1);
     }
@@ -118,10 +119,24 @@ bool FusionFilter::correct_by(std::vector<LandmarkView>& views) {
     const bool is_gyro = gyro_s_ > 0 && is_explained_by([this](int sign) { doubt_gyro(sign); });
     has_leapt_ = !is_gyro && is_explained_by([this](int sign) { doubt_place(sign); });
   }
+  count_refusals(all, agreed);
   if (!correction) return false;
   subtract_gram(correction->A_t, P_);
   inject(correction->error);
   return true;
+}
+
+// Those that agree are in the order of all.
+void FusionFilter::count_refusals(const std::vector<LandmarkView>& all,
+                                  const std::vector<LandmarkView>& agreed) {
+  auto next = agreed.begin();
+  for (const LandmarkView& view : all) {
+    if (next != agreed.end() && next->landmark == view.landmark) {
+      ++next;
+    } else {
+      ++landmarks_[view.landmark].refused;
+    }
+  }
 }
 
 // What lies where things at two depths meet moves as no point does, a little: it stays within what
@@ -187,19 +202,14 @@ void FusionFilter::doubt_place(int sign) {
 
 // Without those that the gate refuses or that contradict the rest, one by one; where half of these
 // would have to go none is believed.
-std::optional<JointCorrection> FusionFilter::agreeing(std::vector<LandmarkView>& views) {
-  std::erase_if(views, [&](const LandmarkView& view) {
-    const bool is_near = is_within_gate(view);
-    if (!is_near) ++landmarks_[view.landmark].refused;
-    return !is_near;
-  });
+std::optional<JointCorrection> FusionFilter::agreeing(std::vector<LandmarkView>& views) const {
+  std::erase_if(views, [&](const LandmarkView& view) { return !is_within_gate(view); });
   if (views.empty()) return std::nullopt;
   const std::size_t fewest = views.size() / 2;
   std::optional<JointCorrection> correction = joint_correction(state_, landmarks_, P_, views);
   while (correction) {
     const std::optional<std::size_t> outlier = outlier_among(*correction, config_.gate_sigma);
     if (!outlier) break;
-    ++landmarks_[views[*outlier].landmark].refused;
     views.erase(views.begin() + static_cast<std::ptrdiff_t>(*outlier));
     if (views.size() <= fewest) return std::nullopt;
     correction = joint_correction(state_, landmarks_, P_, views);

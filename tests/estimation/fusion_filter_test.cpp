@@ -212,6 +212,22 @@ TEST(FusionFilter, RefusesWhatContradictsTheOthers) {
   EXPECT_LT(flight.pose_error().head<3>().norm(), 0.2 * unseen_m);
 }
 
+// Also where so many are off that the gyroscope and the place are doubted first.
+TEST(FusionFilter, CountsARefusalOnceAFrame) {
+  FusionConfig config = white_noise();
+  config.landmarks = 24;
+  FusionSimulation flight(FusionScene{}, config, 7);
+  for (int i = 0; i < 90; ++i) flight.step();
+  flight.shift_first(20, 10);
+  for (int frames = 1; frames <= 2; ++frames) {
+    flight.step();
+    for (const Landmark& landmark : flight.filter().landmarks()) {
+      EXPECT_LE(landmark.refused, frames) << landmark.feature;
+      EXPECT_TRUE(landmark.feature >= 10 || landmark.refused == frames) << landmark.feature;
+    }
+  }
+}
+
 // Once they are chosen, nothing is dropped for its noise.
 TEST(FusionFilter, KeepsLandmarksThatAreMerelyNoisy) {
   FusionSimulation flight(FusionScene{}, FusionConfig{}, 9);

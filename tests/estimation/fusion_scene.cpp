@@ -156,7 +156,7 @@ std::vector<FeatureView> FusionSimulation::landmark_views() {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     Eigen::Vector2d bearing = (camera_from_world * points_[i]).hnormalized();
     if (i == 0 && scene_.first_moves_backwards) bearing = 2 * first_bearing_ - bearing;
-    if (i == 0) bearing.x() += first_shift_px_ / scene_.focal_px;
+    if (i < shifted_) bearing.x() += (i % 2 == 0 ? 1 : -1) * shift_px_ / scene_.focal_px;
     bearing += stray_error_px(i) / scene_.focal_px;
     if (scene_.window_error_ratio > 0) bearing += window_error_px(i) / scene_.focal_px;
     seen.push_back({static_cast<int>(i), bearing + noise * Eigen::Vector2d(normal(), normal()),

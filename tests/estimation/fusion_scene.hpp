@@ -87,8 +87,11 @@ class FusionSimulation {
   /// No landmark is in view any more, or they are again.
   void cover(bool is_covered) { scene_.has_landmarks = !is_covered; }
 
-  /// From now on landmark 0 is seen so far beside where it is.
-  void shift_first(double shift_px) { first_shift_px_ = shift_px; }
+  /// From now on the first landmarks are seen so far beside where they are, in turn to either side.
+  void shift_first(double shift_px, std::size_t count = 1) {
+    shift_px_ = shift_px;
+    shifted_ = count;
+  }
 
   /// From now on the gyroscope's bias is another one, on each axis by so much.
   void shift_gyro_bias(double by_rad_s) { gyro_bias_.array() += by_rad_s; }
@@ -135,7 +138,8 @@ class FusionSimulation {
   std::vector<Window> windows_;
   std::vector<Eigen::Vector3d> points_;
   Eigen::Vector2d first_bearing_;
-  double first_shift_px_ = 0;
+  double shift_px_ = 0;
+  std::size_t shifted_ = 0;
   FusionFilter filter_;
 };
 
