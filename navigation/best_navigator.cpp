@@ -50,7 +50,7 @@ NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& 
   const NavigationEstimate reference = reference_.step(frame, interval, readings);
   if (reference.reference->is_back) start_from_reference_ = start_from_home_;
   // 2. Which of them is to be believed, and where the camera is by it.
-  if (!world_from_start_) world_from_start_ = flow.world_from_body * body_from_camera_;
+  take_unit(flow);
   decision_ = choice_.step(pair_of(flow, reference));
   // 3. A new reference is where the answer has the camera.
   if (reference.reference->new_reference) {
@@ -61,6 +61,19 @@ NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& 
   take_up(flow, out.world_from_body.rotation);
   out.upright = upright(out.pose_covariance);
   return out;
+}
+
+// A first height that comes late stretches the flow's world, and with it every length here.
+void BestNavigator::take_unit(const NavigationEstimate& flow) {
+  const RigidTransform world_from_start = flow.world_from_start * body_from_camera_;
+  if (world_from_start_) {
+    const double factor = world_from_start.translation.z() / world_from_start_->translation.z();
+    if (factor == 1) return;
+    choice_.stretch(factor);
+    start_from_reference_.translation *= factor;
+    start_from_home_.translation *= factor;
+  }
+  world_from_start_ = world_from_start;
 }
 
 // The answer's attitude goes back to the start's as that was told, the flow's own is levelled by
@@ -115,6 +128,7 @@ NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,
   NavigationEstimate out = is_flow ? flow : reference;
   const RigidTransform world_from_camera = *world_from_start_ * decision_.start_from_camera;
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
+  out.world_from_start = flow.world_from_start;
   if (is_flow) {
     const Eigen::Quaterniond& turn = decision_.home_from_flow.rotation;
     const Eigen::Quaterniond& world = world_from_start_->rotation;

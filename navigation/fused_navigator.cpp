@@ -37,6 +37,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
                                const NavigatorConfig& config, const InitialState& initial)
     : camera_(camera),
       body_from_camera_(body_from_camera),
+      world_from_start_(initial.world_from_body.rotation * body_from_camera.rotation),
       config_(checked_fusion_config(config)),
       sensors_(config.sensors),
       scale_(initial.scale == ScaleSource::none ? ScaleSource::imu : initial.scale),
@@ -287,6 +288,8 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict,
   out.source = EstimateSource::fused;
   const RigidTransform world_from_camera = filter_.world_from_camera_m();
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
+  out.world_from_start =
+      RigidTransform{world_from_start_, filter_.start_m()} * body_from_camera_.inverse();
   out.pose_covariance = filter_.pose_covariance();
   out.upright = {.upright_from_world = filter_.upright_from_world(),
                  .pose_covariance = filter_.upright_pose_covariance(),

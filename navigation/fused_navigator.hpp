@@ -58,6 +58,7 @@ class FusedNavigator {
 
   Camera camera_;
   RigidTransform body_from_camera_;
+  Eigen::Quaterniond world_from_start_;  // of the camera
   FusionConfig config_;
   SensorConfig sensors_;
   ScaleSource scale_;

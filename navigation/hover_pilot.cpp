@@ -37,9 +37,9 @@ MotionEstimate with_error_of_start(const MotionEstimate& motion, const Matrix6d&
 
 }  // namespace
 
-MotionEstimate motion_estimate(const NavigationEstimate& estimate, const NavigationEstimate& first,
+MotionEstimate motion_estimate(const NavigationEstimate& estimate, const Matrix6d& start_covariance,
                                const RigidTransform& body_from_camera) {
-  const RigidTransform world_from_start = first.world_from_body * body_from_camera;
+  const RigidTransform world_from_start = estimate.world_from_start * body_from_camera;
   const RigidTransform start_from_camera =
       world_from_start.inverse() * (estimate.world_from_body * body_from_camera);
   const bool is_fused_without_metres =
@@ -53,7 +53,7 @@ MotionEstimate motion_estimate(const NavigationEstimate& estimate, const Navigat
   const MotionEstimate motion = motion_from_start(estimate, world_from_start, body_from_camera);
   // the fusion's world is that of the first frame, whose pose in it is exact
   return estimate.source == EstimateSource::flow
-             ? with_error_of_start(motion, first.pose_covariance, world_from_start.rotation)
+             ? with_error_of_start(motion, start_covariance, world_from_start.rotation)
              : motion;
 }
 
@@ -68,17 +68,17 @@ PilotStep HoverPilot::step(const Frame& frame, const TetheredReadings& readings)
   PilotStep out;
   // 1. How the camera has moved.
   out.estimate = navigator_.step(frame, readings.others);
-  if (!first_) first_ = out.estimate;
+  if (!start_covariance_) start_covariance_ = out.estimate.pose_covariance;
   // 2. How it hangs in the station's frame.
   const Eigen::Quaterniond turned =
       attitude_.step(out.estimate.world_from_body.rotation, readings.others.attitude);
   const Eigen::Quaterniond station_from_body = readings.station_from_body.value_or(turned);
   // 3. The command that takes it back.
-  out.decision =
-      controller_.decide({.now = readings.now,
-                          .estimate = motion_estimate(out.estimate, *first_, body_from_camera_),
-                          .tether = readings.tether,
-                          .station_from_camera = station_from_body * body_from_camera_.rotation});
+  out.decision = controller_.decide(
+      {.now = readings.now,
+       .estimate = motion_estimate(out.estimate, *start_covariance_, body_from_camera_),
+       .tether = readings.tether,
+       .station_from_camera = station_from_body * body_from_camera_.rotation});
   return out;
 }
 

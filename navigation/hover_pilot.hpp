@@ -41,16 +41,16 @@ class HoverPilot {
   Navigator navigator_;
   StationAttitude attitude_;
   HoldController controller_;
-  std::optional<NavigationEstimate> first_;  // where the camera was then is its place
+  std::optional<Matrix6d> start_covariance_;  // of the first frame's pose
 };
 
 /// What an estimate says to the controller: of the reference estimator its own answer, from a later
 /// reference with the attitude carried on from the first; of the flow navigator and of the fusion
-/// the way from where `first`, the first frame's estimate, has the camera, metric where it has a
-/// scale; of a fusion that has none yet, the reference estimator's answer. Which status follows
-/// from what is seen: docs/choice.md.
+/// the way from the first frame's camera, of whose pose `start_covariance` was told then, metric
+/// where there is a scale; of a fusion that has none yet, the reference estimator's answer. Which
+/// status follows from what is seen: docs/choice.md.
 [[nodiscard]] MotionEstimate motion_estimate(const NavigationEstimate& estimate,
-                                             const NavigationEstimate& first,
+                                             const Matrix6d& start_covariance,
                                              const RigidTransform& body_from_camera);
 
 }  // namespace stillkite

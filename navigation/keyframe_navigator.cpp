@@ -307,6 +307,7 @@ NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict
   out.frame_index = frame.index;
   out.verdict = verdict;
   out.world_from_body = camera.world_from_camera * body_from_camera_.inverse();
+  out.world_from_start = track_.world_from_start() * body_from_camera_.inverse();
   out.pose_covariance = camera.covariance;
   out.twist_in_camera = track_.filter().mean_twist_in_camera();
   out.twist_covariance =

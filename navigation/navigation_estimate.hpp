@@ -64,6 +64,7 @@ struct NavigationEstimate {
   EstimateSource source = EstimateSource::flow;
 
   RigidTransform world_from_body;
+  RigidTransform world_from_start;  ///< the same at the first frame, in metres once there are any
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in world
 
   std::optional<UprightWorld> upright;  ///< where the world itself need not be
@@ -82,12 +83,13 @@ struct NavigationEstimate {
   std::array<double, kStageCount> stage_ms{};  ///< by Stage
 };
 
-/// The same in a world whose z is up: the fusion's pose, its covariance and the velocity turned as
-/// `upright` has it; one whose world is upright by itself stays as it is.
+/// The same in a world whose z is up: poses, covariance and velocity turned as `upright` has it;
+/// one whose world is upright by itself stays as it is.
 [[nodiscard]] inline NavigationEstimate told_upright(NavigationEstimate estimate) {
   if (!estimate.upright) return estimate;
   const RigidTransform& upright_from_world = estimate.upright->upright_from_world;
   estimate.world_from_body = upright_from_world * estimate.world_from_body;
+  estimate.world_from_start = upright_from_world * estimate.world_from_start;
   estimate.velocity_in_world_m_s = upright_from_world.rotation * estimate.velocity_in_world_m_s;
   estimate.pose_covariance = estimate.upright->pose_covariance;
   estimate.upright.reset();

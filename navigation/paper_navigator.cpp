@@ -60,7 +60,7 @@ NavigationEstimate PaperNavigator::start(const Frame& frame, const SensorReading
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i] = {0, i < 3 ? speed * speed : kAnyRate_rad_s * kAnyRate_rad_s};
   }
-  before_ = track_.pose.world_from_camera;
+  before_ = world_from_start_ = track_.pose.world_from_camera;
   previous_ = frame.grey;
   return answer(frame, {.verdict = Verdict::first_frame});
 }
@@ -161,9 +161,10 @@ void PaperNavigator::correct(const SensorReadings& readings, Timestamp now) {
   track_ =
       with_readings(before, of_camera(readings, body_from_camera_, attitude), config_.sensors, now);
   if (before.scale == ScaleSource::none && track_.scale != ScaleSource::none) {
-    // the speed was in heights too
+    // start and speed were in heights too
     const double factor = track_.pose.world_from_camera.translation.z() /
                           before.pose.world_from_camera.translation.z();
+    world_from_start_.translation *= factor;
     for (std::size_t i = 0; i < 3; ++i) {
       axes_[i] = {factor * axes_[i].value, factor * factor * axes_[i].variance};
     }
@@ -183,6 +184,7 @@ NavigationEstimate PaperNavigator::answer(const Frame& frame, const EgoMotion& m
   out.frame_index = frame.index;
   out.verdict = motion.verdict;
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
+  out.world_from_start = world_from_start_ * body_from_camera_.inverse();
   out.pose_covariance = track_.pose.covariance;
   out.twist_in_camera = twist_half_way();
   Vector6d variance;

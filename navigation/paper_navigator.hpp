@@ -49,11 +49,12 @@ class PaperNavigator {
   EgoMotionSolver solver_;
 
   Pyramid texture_;
-  cv::Mat previous_;       // shared with the source
-  AxisEstimates axes_;     // the paper's vector V with its variances
-  ScaledPose track_;       // of the camera
-  RigidTransform before_;  // the camera at the frame before
-  double blind_s_ = 0;     // since the last measurement
+  cv::Mat previous_;                 // shared with the source
+  AxisEstimates axes_;               // the paper's vector V with its variances
+  ScaledPose track_;                 // of the camera
+  RigidTransform world_from_start_;  // of the camera, in the unit of `track_`
+  RigidTransform before_;            // the camera at the frame before
+  double blind_s_ = 0;               // since the last measurement
   double flow_ms_ = 0;
   double solve_ms_ = 0;
   std::vector<FlowWindow> windows_;

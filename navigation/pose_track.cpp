@@ -23,6 +23,7 @@ void PoseTrack::start(const SensorReadings& readings, Timestamp now) {
   keyframe_ = with_readings(keyframe_, of_camera(readings, body_from_camera_, attitude),
                             config_.sensors, now);
   camera_ = keyframe_.pose;
+  world_from_start_ = camera_.world_from_camera;
   filter_.start(camera_.world_from_camera,
                 kAnySpeed_heights_s * camera_.world_from_camera.translation.z(), kAnyRate_rad_s);
   take_keyframe();
@@ -129,6 +130,10 @@ void PoseTrack::correct_keyframe(const PlaneAlignment& alignment, const SensorRe
   const RigidTransform& from = keyframe_.pose.world_from_camera;
   const RigidTransform& to = corrected.pose.world_from_camera;
   const double factor = to.translation.z() / from.translation.z();
+  if (keyframe_.scale == ScaleSource::none) {  // all of it was in initial heights
+    world_from_start_.translation *= factor;
+    keyframe_twist_.velocity_m_s *= factor;
+  }
   filter_.stretch_world(factor);
   filter_.transform_world(to * RigidTransform{from.rotation, factor * from.translation}.inverse());
   keyframe_ = corrected;

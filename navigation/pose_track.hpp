@@ -42,6 +42,8 @@ class PoseTrack {
   /// The filter as it would be after this alignment.
   [[nodiscard]] MotionFilter filter_after(const PlaneAlignment& alignment) const;
   [[nodiscard]] const PoseEstimate& camera() const { return camera_; }
+  /// Of the camera at the first frame; stretched with the world once a height is known.
+  [[nodiscard]] const RigidTransform& world_from_start() const { return world_from_start_; }
   /// The last frame shows the camera further on than any drone is accelerated: pictures
   /// are missing whose time has not passed, or those before were sent again.
   [[nodiscard]] bool has_leapt() const { return has_leapt_; }
@@ -62,6 +64,7 @@ class PoseTrack {
   Twist keyframe_twist_;
   MotionFilter filter_;
   PoseEstimate camera_;
+  RigidTransform world_from_start_;
   RigidTransform level_from_filter_;           // the keyframe's levelling
   Matrix6d beyond_filter_ = Matrix6d::Zero();  // covariance of the pose that the filter is not told
   double blind_s_ = 0;                         // since the last measurement

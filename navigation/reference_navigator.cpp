@@ -184,6 +184,7 @@ NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdic
   out.verdict = verdict;
   out.world_from_body =
       RigidTransform{current_.world_from_camera, start_.translation} * body_from_camera_.inverse();
+  out.world_from_start = start_ * body_from_camera_.inverse();
   // nothing measures lengths: by now the camera may be anywhere that its speed allows
   const double speed = kAnySpeed_heights_s * start_.translation.z();
   const double way = speed * seconds_between(start_stamp_, frame.stamp);

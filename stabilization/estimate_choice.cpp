@@ -82,6 +82,15 @@ EstimateDecision EstimateChoice::step(const EstimatePair& estimates) {
   return decision_;
 }
 
+void EstimateChoice::stretch(double factor) {
+  decision_.start_from_camera.translation *= factor;
+  decision_.home_from_flow.translation *= factor;
+  decision_.correction_covariance.topRows<3>() *= factor;
+  decision_.correction_covariance.leftCols<3>() *= factor;
+  decision_.unproven_way *= factor;
+  proven_place_ *= factor;
+}
+
 // Over unknown ground a way may be taken for a turn, and a turn for a way: what the reference says
 // of the turn tells how far.
 void EstimateChoice::doubt(const EstimatePair& estimates, const RigidTransform& flow) {

@@ -64,6 +64,8 @@ class EstimateChoice {
 
   /// With neither estimate ok the last source stays.
   EstimateDecision step(const EstimatePair& estimates);
+  /// The unit of the flow's way is so many times smaller from now on.
+  void stretch(double factor);
 
  private:
   void judge_ground(const EstimatePair& estimates);

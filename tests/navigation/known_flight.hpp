@@ -98,13 +98,13 @@ class ContractEstimator {
 
   MotionEstimate step(const Frame& frame) {
     const NavigationEstimate estimate = navigator_.step(frame);
-    if (!first_) first_ = estimate;
-    return motion_estimate(estimate, *first_, KnownFlight::mount());
+    if (!start_covariance_) start_covariance_ = estimate.pose_covariance;
+    return motion_estimate(estimate, *start_covariance_, KnownFlight::mount());
   }
 
  private:
   Navigator navigator_;
-  std::optional<NavigationEstimate> first_;
+  std::optional<Matrix6d> start_covariance_;
 };
 
 }  // namespace stillkite::test

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "navigation/hover_pilot.hpp"
 #include "rendered_flight.hpp"
 
 namespace stillkite {
@@ -100,6 +101,33 @@ TEST_P(Sensors, FirstHeightSetsTheScaleOfAFlightWithoutOne) {
     const Twist& twist = flight.record.twists_in_camera[i == 0 ? 0 : i - 1].twist;
     if (i > 10) {
       EXPECT_LT((unit_m * e.twist_in_camera.velocity_m_s - twist.velocity_m_s).norm(), 0.6) << i;
+    }
+  }
+}
+
+// The way home is in metres then, whoever tells it.
+TEST(FirstHeight, ThatComesLateMovesTheStartWithTheWorld) {
+  const auto& flight = rendered_flight();
+  const RigidTransform& mount = flight.record.body_from_camera;
+  InitialState unscaled{flight.truth(0), ScaleSource::none};
+  unscaled.world_from_body.translation.z() = 1;
+  for (const EstimatorConfig& estimator : {EstimatorConfig{.policy = Policy::flow},
+                                           {.policy = Policy::flow, .mode = Mode::paper},
+                                           {.policy = Policy::best},
+                                           {.policy = Policy::fused}}) {
+    SCOPED_TRACE(name_of(estimator.policy));
+    Navigator navigator(flight.record.camera, mount, {}, unscaled, estimator);
+    Matrix6d start_covariance;
+    for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+      SensorReadings readings;
+      if (i >= 25) readings.height_m = flight.truth(i).translation.z();
+      const NavigationEstimate e = navigator.step(flight.frames[i], readings);
+      if (i == 0) start_covariance = e.pose_covariance;
+      if (i < 25) continue;
+      const MotionEstimate motion = motion_estimate(e, start_covariance, mount);
+      const RigidTransform truth = (flight.truth(0) * mount).inverse() * (flight.truth(i) * mount);
+      ASSERT_EQ(motion.displacement_kind, DisplacementKind::metric) << i;
+      EXPECT_LT((motion.displacement_in_reference - truth.translation).norm(), 0.5) << i;
     }
   }
 }

@@ -60,7 +60,8 @@ TEST(TurnToWay, LetsWhatPassesTooNearPassOnTheOtherSide) {
   EXPECT_GT(passing(-0.2, 0.4), 0.1);
 }
 
-// Root of the mean square of what the way is off the plane, from 2 m before the zenith to 2 m behind it.
+// Root of the mean square of what the way is off the plane, from 2 m before the zenith to behind
+// it.
 double off_while_passing_m(double aside_m) {
   constexpr double kStep_s = 0.02, kSpeed_m_s = 0.2;
   double azimuth_rad = std::atan2(aside_m, 2), rate_rad_s = 0, sum_m2 = 0;
