@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <variant>
 
 #include "navigation/best_navigator.hpp"
@@ -54,6 +55,18 @@ void check_picture(const Frame& frame, const Camera& camera) {
       grey.cols, grey.rows, grey.elemSize(), camera.width_px, camera.height_px));
 }
 
+// A range finder without an echo may tell infinity. Inertial readings are looked at one by one.
+SensorReadings those_that_are_numbers(SensorReadings readings) {
+  const auto drop = [](auto& reading, bool is_number) {
+    if (!is_number) reading.reset();
+  };
+  if (readings.height_m) drop(readings.height_m, std::isfinite(*readings.height_m));
+  if (readings.attitude) drop(readings.attitude, readings.attitude->coeffs().allFinite());
+  if (readings.acceleration) drop(readings.acceleration, readings.acceleration->allFinite());
+  if (auto& rate = readings.mean_angular_rate_in_body_rad_s) drop(rate, rate->allFinite());
+  return readings;
+}
+
 }  // namespace
 
 struct Navigator::State {
@@ -79,8 +92,9 @@ Navigator& Navigator::operator=(Navigator&&) noexcept = default;
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
   check_picture(frame, state_->camera);
   const FrameInterval interval = state_->clock.pass(frame, state_->picture_speed_px_s);
+  const SensorReadings numbers = those_that_are_numbers(readings);
   const NavigationEstimate estimate = std::visit(
-      [&](auto& method) { return method.step(frame, interval, readings); }, state_->method);
+      [&](auto& method) { return method.step(frame, interval, numbers); }, state_->method);
   state_->picture_speed_px_s = estimate.picture_speed_px_s;
   return estimate;
 }

@@ -105,6 +105,37 @@ TEST_P(Sensors, FirstHeightSetsTheScaleOfAFlightWithoutOne) {
   }
 }
 
+// None of them is taken, and nothing is lost by it.
+TEST(SensorReading, ThatIsNoNumberIsNoReading) {
+  const auto& flight = rendered_flight();
+  for (const double no_number : {std::nan(""), HUGE_VAL}) {
+    const Eigen::Vector3d rate = Eigen::Vector3d::Constant(no_number);
+    const SensorReadings spoiled{.mean_angular_rate_in_body_rad_s = rate,
+                                 .height_m = no_number,
+                                 .attitude = Eigen::Quaterniond(no_number, 0, 0, 0),
+                                 .acceleration = Vector6d::Constant(no_number),
+                                 .inertial = {{flight.frames[5].stamp, rate, rate}}};
+    for (const EstimatorConfig& estimator : {EstimatorConfig{.policy = Policy::flow},
+                                             {.policy = Policy::flow, .mode = Mode::paper},
+                                             {.policy = Policy::reference},
+                                             {.policy = Policy::best},
+                                             {.policy = Policy::fused}}) {
+      const auto last = [&](const SensorReadings& at_some) {
+        Navigator navigator(flight.record.camera, flight.record.body_from_camera, {},
+                            flight.start(), estimator);
+        for (std::size_t i = 0; i < 12; ++i) {
+          navigator.step(flight.frames[i], i > 4 && i < 11 ? at_some : SensorReadings{});
+        }
+        return navigator.step(flight.frames[12]);
+      };
+      const NavigationEstimate with = last(spoiled), without = last({});
+      EXPECT_EQ(with.world_from_body.translation, without.world_from_body.translation)
+          << name_of(estimator.policy) << no_number;
+      EXPECT_EQ(with.pose_covariance, without.pose_covariance);
+    }
+  }
+}
+
 // The way home is in metres then, whoever tells it.
 TEST(FirstHeight, ThatComesLateMovesTheStartWithTheWorld) {
   const auto& flight = rendered_flight();
