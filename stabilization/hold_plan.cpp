@@ -111,13 +111,19 @@ Home home_by_now(const RecommendedHoldConfig& config, const HoldInput& input, co
           velocity_m_s.has_value()};
 }
 
+// By how much the command must lead the velocity for an acceleration of 1 over a step.
+double lead_s(double lag_s, double dt_s) {
+  if (!(dt_s > 0)) return lag_s;
+  return lag_s > 0 ? -dt_s / std::expm1(-dt_s / lag_s) : dt_s;
+}
+
 // The velocity to command: d'' = -2 p d' - p^2 d follows from w' = (u - w) / lag.
-Vector3d state_feedback(const RecommendedHoldConfig& config, const Home& home,
-                        const OwnMotion& own) {
+Vector3d state_feedback(const RecommendedHoldConfig& config, const Home& home, const OwnMotion& own,
+                        double dt_s) {
   const double pole = config.state_feedback_pole_1_s;
   const Vector3d own_now = own.rate().head<3>();
   const Vector3d velocity = own_now - home.drift_m_s;
-  return own_now + config.lag_s * (pole * pole * home.way_m - 2 * pole * velocity);
+  return own_now + lead_s(config.lag_s, dt_s) * (pole * pole * home.way_m - 2 * pole * velocity);
 }
 
 Vector3d low_passed(const Vector3d& mean, const Vector3d& value, double memory_s, double dt_s) {
@@ -222,7 +228,7 @@ HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input,
     const Home home = home_by_now(recommended, input, before.axes, own, *way);
     Vector3d velocity_m_s;
     if (home.drift_is_measured && recommended.state_feedback_pole_1_s > 0) {
-      velocity_m_s = state_feedback(recommended, home, own);
+      velocity_m_s = state_feedback(recommended, home, own, dt_s);
     } else {
       for (int i = 0; i < 3; ++i) {
         const PidStep axis =

@@ -66,7 +66,7 @@ struct LaggedAxis {
   double value = 0;
   double rate = 0;
   void follow(double command, double lag_s) {
-    rate += kStep_s / lag_s * (command - rate);
+    rate += (lag_s > kStep_s ? kStep_s / lag_s : 1.0) * (command - rate);
     value += kStep_s * rate;
   }
 };
@@ -210,6 +210,19 @@ TEST(HoldLoop, KnownVelocityStaysStableWhereTheModelIsWrong) {
       EXPECT_LT(o.max_m, 0.15) << "lag " << lag_s << " s, scale " << scale;
       EXPECT_LT(o.final_m, 0.02) << "lag " << lag_s << " s, scale " << scale;
     }
+  }
+}
+
+TEST(HoldLoop, KnownVelocityHoldsWhateverTheLag) {
+  for (const double lag_s : {0.0, 0.01, 0.05, 0.2, 1.0}) {
+    Loop loop = recommended();
+    loop.knows_velocity = true;
+    loop.station_speed_m_s = gently_out_and_back_m_s;
+    loop.lag_s = loop.config.recommended.lag_s = lag_s;
+    const Outcome o = fly(loop);
+    print("velocity and lag known", o);
+    EXPECT_LT(o.max_m, 0.08) << lag_s;
+    EXPECT_LT(o.final_m, 0.01) << lag_s;
   }
 }
 
