@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "estimation/fusion_filter.hpp"
+#include "estimation/innovation_consensus.hpp"
 #include "estimation/landmark_model.hpp"
 
 namespace stillkite {
@@ -118,6 +119,41 @@ FusionMap FusionFilter::map() const {
       P_.block(Index::kLandmarks, Index::kTilt, landmarks, kMapSize),
       P_.block(Index::kLandmarks, Index::kLandmarks, landmarks, landmarks);
   return map;
+}
+
+bool FusionFilter::may_be_seen(const FusionMap& map, std::span<const FeatureView> seen,
+                               const RigidTransform& world_from_camera_m,
+                               const Matrix6d& covariance, double sigmas) const {
+  const double unit_m = std::exp(map.log_scale);
+  const RigidTransform camera_from_world = world_from_camera_m.inverse();
+  const Eigen::Matrix3d R = camera_from_world.rotation.toRotationMatrix();
+  const RigidTransform camera_from_anchor =
+      camera_from_world *
+      RigidTransform{map.world_from_anchor.rotation,
+                     start_m_ + unit_m * (map.world_from_anchor.translation - start_in_world_)};
+  int met = 0, expected = 0;
+  for (const FeatureView& view : seen) {
+    const auto found = std::find_if(map.landmarks.begin(), map.landmarks.end(),
+                                    [&](const Landmark& l) { return l.feature == view.feature; });
+    if (found == map.landmarks.end() || !(found->inverse_depth > 0)) continue;
+    const auto depth = kMapSize + 3 * std::distance(map.landmarks.begin(), found) + 2;
+    const Eigen::Vector3d ray = unit_m / found->inverse_depth * found->bearing.homogeneous();
+    const Eigen::Vector3d point = camera_from_anchor * ray;
+    ++expected;
+    if (!(point.z() > 0)) continue;
+    Eigen::Matrix<double, 2, 3> by_point;
+    by_point << 1, 0, -point.x() / point.z(), 0, 1, -point.y() / point.z();
+    by_point /= point.z();
+    Eigen::Matrix<double, 3, 6> by_pose;
+    by_pose << -R, skew(point) * R;
+    const Eigen::Vector2d by_depth =
+        by_point * (camera_from_anchor.rotation * ray) / found->inverse_depth;
+    const Eigen::Matrix<double, 2, 6> J = by_point * by_pose;
+    const Eigen::Matrix2d S = view.covariance + J * covariance * J.transpose() +
+                              map.covariance(depth, depth) * by_depth * by_depth.transpose();
+    met += is_within_sigmas(view.bearing - point.hnormalized(), S, sigmas);
+  }
+  return 2 * met >= expected;
 }
 
 // What is known of way and velocity is known in metres, whatever a map's unit is, and as far as it

@@ -113,6 +113,13 @@ class FusionFilter {
   /// be met again.
   void drop_unseen(bool keep_first);
 
+  /// Whether half of what is seen of a map's landmarks, or more, is within so many standard
+  /// deviations of where a camera there, in metres, with that covariance (translation, rotation
+  /// vector; world axes) would see them; also where none of them is seen.
+  [[nodiscard]] bool may_be_seen(const FusionMap& map, std::span<const FeatureView> seen,
+                                 const RigidTransform& world_from_camera_m,
+                                 const Matrix6d& covariance, double sigmas) const;
+
   [[nodiscard]] const FusionState& state() const { return state_; }
   [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
   /// Features of the anchor that are to be no landmarks: the gate refused them too often, or they

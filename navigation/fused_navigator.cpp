@@ -60,7 +60,11 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   if (flow_.has_leapt()) filter_.forget_start();
   SensorReadings hints = readings;
   if (!hints.attitude) hints.attitude = guessed_attitude(flow);
-  const NavigationEstimate reference = reference_.step(frame, interval, hints);
+  const Eigen::Quaterniond world_from_camera = *hints.attitude * body_from_camera_.rotation;
+  const NavigationEstimate reference =
+      reference_.step(frame, interval, hints, [&](const auto& bearings, const auto& inliers) {
+        return may_be_home(bearings, inliers, world_from_camera, frame.stamp);
+      });
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
   if (interval.spoiled == Verdict::first_frame) scale_stamp_ = last_ = frame.stamp;
@@ -107,6 +111,25 @@ FusedNavigator::Seen FusedNavigator::see(const NavigationEstimate& flow,
   if (is_back) reseat_anchor();
   if (!has_gyro_) take_rate(seen.ground ? flow : reference);
   return seen;
+}
+
+// Pavement and crops look alike at many places: what is seen of the first reference must be where
+// it is expected, give or take much more than the filter is off by when it is too sure.
+bool FusedNavigator::may_be_home(const FeatureBearings& bearings,
+                                 const std::vector<unsigned char>& inliers,
+                                 const Eigen::Quaterniond& world_from_camera, Timestamp now) const {
+  constexpr double kSigmas = 10;
+  constexpr double kLeast_heights = 0.005;  // and so many radians
+  constexpr double kShareOfStep = 0.5;
+  const Eigen::Vector3d step_m = seconds_between(last_, now) * filter_.velocity_in_world_m_s();
+  const RigidTransform expected_m{world_from_camera,
+                                  filter_.world_from_camera_m().translation + step_m};
+  Matrix6d covariance = filter_.pose_covariance();
+  covariance.diagonal().head<3>().array() +=
+      square(kLeast_heights * filter_.height_m()) + square(kShareOfStep * step_m.norm());
+  covariance.diagonal().tail<3>().array() += square(kLeast_heights);
+  return filter_.may_be_seen(home_, landmarks_.views(bearings, inliers), expected_m, covariance,
+                             kSigmas);
 }
 
 void FusedNavigator::take_reference(bool is_home) {

@@ -42,6 +42,9 @@ class FusedNavigator {
   void take_readings(const SensorReadings& readings, Timestamp now);
   [[nodiscard]] Seen see(const NavigationEstimate& flow, const NavigationEstimate& reference,
                          bool is_spoiled);
+  [[nodiscard]] bool may_be_home(const FeatureBearings& bearings,
+                                 const std::vector<unsigned char>& inliers,
+                                 const Eigen::Quaterniond& world_from_camera, Timestamp now) const;
   void take_reference(bool is_home);
   void reseat_anchor();
   void judge_ground(bool is_home);

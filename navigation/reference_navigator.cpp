@@ -42,7 +42,8 @@ ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransfor
 }
 
 NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInterval& interval,
-                                            const SensorReadings& readings) {
+                                            const SensorReadings& readings,
+                                            const HomeCheck& may_be_home) {
   StopWatch watch;
   windows_.clear();
   bearings_ = {};
@@ -56,7 +57,7 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   if (!has_reference_) return start(frame);
   if (interval.spoiled && !interval.is_late) return answer(frame, *interval.spoiled);
   // 2. Where the reference's features are in this frame; the lost ones are dropped.
-  if (look_for_home(frame, readings)) go_home(frame.stamp);
+  if (look_for_home(frame, readings, may_be_home)) go_home(frame.stamp);
   const FeatureTracks& tracks = references_.back().association.find(frame.grey);
   references_.back().most_found = std::max(references_.back().most_found, tracks.found_count);
   const double flow_ms = watch.lap_ms();

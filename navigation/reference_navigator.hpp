@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -22,11 +23,16 @@ namespace stillkite {
 /// remembered one. It tells rotation and the direction of the way from there, no length, no speed.
 class ReferenceNavigator {
  public:
+  /// Whether these features of the first frame and those that its pose explains may be seen now.
+  using HomeCheck = std::function<bool(const FeatureBearings& bearings,
+                                       const std::vector<unsigned char>& inliers)>;
+
   ReferenceNavigator(const Camera& camera, const RigidTransform& body_from_camera,
                      const NavigatorConfig& config, const InitialState& initial, Mode mode);
 
+  /// The first frame is found again where `may_be_home`, if there is one, does not contradict.
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
-                          const SensorReadings& readings);
+                          const SensorReadings& readings, const HomeCheck& may_be_home = {});
 
   /// The features of the last frame and its pose; empty where none was looked for.
   [[nodiscard]] const FeatureBearings& bearings() const { return bearings_; }
@@ -61,7 +67,8 @@ class ReferenceNavigator {
       const std::vector<BearingPair>& pairs, const Reference& reference,
       const std::optional<RelativePose>& prior,
       const std::optional<Eigen::Quaterniond>& world_from_body) const;
-  [[nodiscard]] bool look_for_home(const Frame& frame, const SensorReadings& readings);
+  [[nodiscard]] bool look_for_home(const Frame& frame, const SensorReadings& readings,
+                                   const HomeCheck& may_be_home);
   void go_home(Timestamp now);
   [[nodiscard]] Reference fresh_reference() const;
   void begin_report(Timestamp now);

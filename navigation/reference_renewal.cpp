@@ -50,15 +50,18 @@ void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdi
 }
 
 // Many of its features, and of those most in one pose: less may be chance.
-bool ReferenceNavigator::look_for_home(const Frame& frame, const SensorReadings& readings) {
+bool ReferenceNavigator::look_for_home(const Frame& frame, const SensorReadings& readings,
+                                       const HomeCheck& may_be_home) {
   if (references_.size() == 1 || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
   const double turn_rad = picture_turn_rad(current_.world_from_camera.conjugate() *
                                            references_.front().attitude.world_from_camera);
   const FeatureTracks& tracks = references_.front().association.find(frame.grey, turn_rad);
   if (tracks.found_count < kManyTimes * fewest_features(references_.front())) return false;
+  const FeatureBearings bearings = feature_bearings(camera_, tracks);
   const RelativePoseEstimate pose =
-      estimate(feature_bearings(camera_, tracks).pairs, references_.front(), {}, readings.attitude);
-  return pose.model != ViewModel::undecided && 2 * pose.inlier_count > tracks.found_count;
+      estimate(bearings.pairs, references_.front(), {}, readings.attitude);
+  return pose.model != ViewModel::undecided && 2 * pose.inlier_count > tracks.found_count &&
+         (!may_be_home || may_be_home(bearings, pose.inliers));
 }
 
 void ReferenceNavigator::go_home(Timestamp now) {

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <opencv2/core.hpp>
 #include <optional>
 
 #include "geometry/angle.hpp"
@@ -29,6 +31,42 @@ TEST(FusedNavigator, FollowsTheFlowOverFlatGround) {
         0.2)
         << i;
   }
+}
+
+// Slabs of 24 x 48 texels in bond.
+cv::Mat pavement() {
+  cv::Mat picture(1056, 1056, CV_8UC1, cv::Scalar(150));
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const bool is_joint = y % 24 < 3 || (x + y / 24 % 2 * 24) % 48 < 3;
+      if (is_joint) picture.at<uchar>(y, x) = 60;
+    }
+  }
+  cv::Mat grain(picture.size(), CV_8SC1);
+  cv::RNG random(1);
+  random.fill(grain, cv::RNG::NORMAL, 0, 6);
+  cv::add(picture, grain, picture, cv::noArray(), CV_8UC1);
+  return picture;
+}
+
+// The place that it started from looks like many others.
+TEST(FusedNavigator, TakesNoOtherPavementForHome) {
+  SimulationConfig config = test::small_flight(1);
+  config.flight.duration_s = 3;
+  config.flight.height_m = 20;
+  config.flight.forward_m = 20;
+  config.flight.climb_m = 0;
+  const test::RenderedFlight flight = test::film(config, pavement());
+  Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, flight.start(),
+                      {.policy = Policy::fused});
+  double farthest_m = 0;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const NavigationEstimate estimate = navigator.step(flight.frames[i]);
+    farthest_m = std::max(
+        farthest_m, (estimate.world_from_body.translation - flight.truth(i).translation).norm());
+  }
+  std::printf("at most %.3f m off\n", farthest_m);
+  EXPECT_LT(farthest_m, 0.5);
 }
 
 double velocity_rms_m_s(const test::RenderedFlight& flight, Policy policy) {
