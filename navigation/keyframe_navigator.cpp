@@ -26,6 +26,15 @@ Vector6d in_heights(const Twist& twist, double height_m) {
   return v;
 }
 
+// By where they have what the optical axis met.
+bool are_far_apart(const Camera& camera, const PlaneMotion& a, const PlaneMotion& b) {
+  constexpr double kFar_px = 8;
+  const auto seen_at = [](const PlaneMotion& motion) -> Eigen::Vector2d {
+    return motion.homography().col(2).hnormalized();
+  };
+  return camera.focal_x_px * (seen_at(a) - seen_at(b)).norm() > kFar_px;
+}
+
 // Height of the camera after the motion over that before: 1 - n . c, c its place in the keyframe.
 double height_ratio(const PlaneMotion& motion) {
   return 1 + motion.normal.dot(motion.rotation.conjugate() * motion.translation);
@@ -113,8 +122,14 @@ PlaneAlignment KeyframeNavigator::align(bool may_search) {
   PlaneAlignment best = align_from(predicted);
   if (!may_search || (!is_vague && judge(best) != Verdict::lost)) return best;
   PlaneMotion from = predicted;
+  const bool is_near = fits(best);
   for (const PlaneMotion& guess : searched_motions()) {
     const PlaneAlignment other = align_from(guess);
+    // pavement and crops look alike one slab or row further on: the nearest it is, or nobody knows
+    if (fits(best) && fits(other) && are_far_apart(camera_, best.motion, other.motion)) {
+      if (is_near) continue;
+      return align_from(predicted);
+    }
     if (!is_better(other, best)) continue;
     best = other;
     from = other.motion;
@@ -152,6 +167,12 @@ std::vector<PlaneMotion> KeyframeNavigator::searched_motions() const {
     out.insert(out.end(), motions.begin(), motions.end());
   }
   return out;
+}
+
+// Of pictures of other places no two are as alike.
+bool KeyframeNavigator::fits(const PlaneAlignment& alignment) const {
+  constexpr double kAlike = 0.9;
+  return judge(alignment) == Verdict::ok && alignment.correlation >= kAlike;
 }
 
 bool KeyframeNavigator::is_better(const PlaneAlignment& a, const PlaneAlignment& b) const {

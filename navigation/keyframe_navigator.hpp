@@ -44,6 +44,7 @@ class KeyframeNavigator {
   [[nodiscard]] PlaneMotion predicted_motion() const;
   [[nodiscard]] bool is_prediction_vague() const;
   [[nodiscard]] std::vector<PlaneMotion> searched_motions() const;
+  [[nodiscard]] bool fits(const PlaneAlignment& alignment) const;
   [[nodiscard]] bool is_better(const PlaneAlignment& a, const PlaneAlignment& b) const;
   [[nodiscard]] PlaneAlignment align_from(const PlaneMotion& guess);
   [[nodiscard]] bool learns_speed() const;
