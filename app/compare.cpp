@@ -36,12 +36,14 @@ struct CompareArguments {
   bool json = false;
 };
 
-std::vector<EstimatorRun> make_runs(const std::vector<Variant>& variants, const Frame& first) {
+std::vector<EstimatorRun> make_runs(const std::vector<Variant>& variants,
+                                    const FrameSource& source) {
   std::vector<EstimatorRun> runs;
   runs.reserve(variants.size());
   for (const Variant& variant : variants) {
     try {
-      runs.emplace_back(variant.config, first);
+      check_row_times(source, variant.config);
+      runs.emplace_back(variant.config, source.first());
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", variant.name, error.what()));
     }
@@ -93,7 +95,7 @@ void compare(const CompareArguments& arguments) {
       load_variants(arguments.config, arguments.overrides, parse_variants(list));
   cv::setNumThreads(arguments.threads);
   FrameSource source(variants.front().config.source);
-  std::vector<EstimatorRun> runs = make_runs(variants, source.first());
+  std::vector<EstimatorRun> runs = make_runs(variants, source);
   const std::filesystem::path out = results_folder(arguments.out, arguments.config);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     protect_inputs_of_run(out, arguments.config, variants[i].config);

@@ -149,6 +149,15 @@ Ending step_through(FrameSource& source, std::span<EstimatorRun> runs, const std
   return {.failure = nullptr, .complaint = source.complaint()};
 }
 
+void check_row_times(const FrameSource& source, const RunConfig& config) {
+  if (!source.is_turned() || config.navigator.readout_s == 0) return;
+  throw InputError(fmt::format(
+      "navigator.readout_s: {} is marked to be shown turned, and its rows are not read out from "
+      "the top; take the mark out of the file and give the calibration of its pictures as they "
+      "are, or leave the readout out",
+      config.source.path.string()));
+}
+
 void tell_of_doubtful_inputs(const EstimatorRun& run) {
   tell_of_missing_scale(run.inputs());
   tell_of_sky(run.inputs());

@@ -69,6 +69,9 @@ struct Ending {
 [[nodiscard]] Ending step_through(FrameSource& source, std::span<EstimatorRun> runs,
                                   const std::string& label);
 
+/// Throws InputError where rows are told their times, but are not the sensor's rows.
+void check_row_times(const FrameSource& source, const RunConfig& config);
+
 /// A line where an estimator's lengths are no metres, where the camera sees no ground at the start,
 /// where IMU readings are left out, and where a log is read that the estimator does not use.
 void tell_of_doubtful_inputs(const EstimatorRun& run);

@@ -30,6 +30,7 @@ struct RunArguments {
 void run(const RunArguments& arguments) {
   const RunConfig config = load_run_config(arguments.config, arguments.overrides);
   FrameSource source(config.source);
+  check_row_times(source, config);
   EstimatorRun estimator(config, source.first());
 
   const fs::path out = results_folder(arguments.out, arguments.config);

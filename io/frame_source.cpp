@@ -194,14 +194,20 @@ std::optional<std::int64_t> FrameSource::expected() const {
   return state_->expected;
 }
 
+bool FrameSource::is_turned() const {
+  const auto* video = std::get_if<VideoReader>(&state_->reader);
+  return video != nullptr && video->is_turned();
+}
+
 std::optional<std::string> FrameSource::complaint() const {
   const State& s = *state_;
   std::string found;
   const auto add = [&](const std::string& sentence) {
     found += (found.empty() ? "" : "; ") + sentence;
   };
-  // the decoding thread has let go of the reader only at the end
   const auto* video = std::get_if<VideoReader>(&s.reader);
+  if (video != nullptr && video->oblong_pixels()) add(*video->oblong_pixels());
+  // the decoding thread has let go of the reader only at the end
   if (s.at_end && s.reader_ended && video != nullptr) {
     if (const std::optional<std::string> truncation = video->truncation()) add(*truncation);
   }

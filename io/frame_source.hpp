@@ -57,8 +57,11 @@ class FrameSource {
   /// How many there should be in all, for progress.
   [[nodiscard]] std::optional<std::int64_t> expected() const;
 
-  /// What was wrong with the source so far, if anything: pictures that were skipped and, after the
-  /// end, a truncated file.
+  /// The pictures' rows are not the sensor's, see VideoReader::is_turned.
+  [[nodiscard]] bool is_turned() const;
+
+  /// What was wrong with the source so far, if anything: pixels that are told not to be square,
+  /// pictures that were skipped and, after the end, a truncated file.
   [[nodiscard]] std::optional<std::string> complaint() const;
 
  private:

@@ -8,8 +8,7 @@
 
 namespace stillkite {
 
-/// Reads pictures from files, as grey of 8 bits. A file's rotation mark is ignored, as in
-/// VideoReader.
+/// Reads pictures from files, as grey of 8 bits. A file's rotation mark is ignored.
 class ImageSequence {
  public:
   /// Of pictures of 16 bits a pixel the lowest `bits` are used; without a word of it all of them.

@@ -8,7 +8,12 @@ extern "C" {
 
 #include <fmt/core.h>
 
+#include <cmath>
+#include <cstring>
+#include <opencv2/core.hpp>
+
 #include "geometry/fields.hpp"
+#include "io/display_turn.hpp"
 #include "io/luma.hpp"
 
 namespace stillkite {
@@ -56,6 +61,15 @@ Owned<AVCodecContext> open_decoder(const AVStream& stream, const AVCodec* codec,
   return decoder;
 }
 
+std::optional<cv::RotateFlags> turn_of(const AVStream& stream, const std::string& name) {
+  std::array<std::int32_t, 9> matrix{};
+  std::size_t bytes = 0;
+  const std::uint8_t* mark = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes);
+  if (mark == nullptr || bytes < sizeof(matrix)) return std::nullopt;
+  std::memcpy(matrix.data(), mark, sizeof(matrix));
+  return display_turn(matrix, name);
+}
+
 }  // namespace
 
 struct VideoReader::State {
@@ -68,6 +82,8 @@ struct VideoReader::State {
   Owned<AVPacket> packet{av_packet_alloc()};
   Owned<AVFrame> picture{av_frame_alloc()};
   LumaExtractor luma;
+  std::optional<cv::RotateFlags> turn;
+  cv::Mat coded;  // before it is turned
   cv::Size size;
   std::int64_t pictures = 0;
   Timestamp last;
@@ -75,6 +91,8 @@ struct VideoReader::State {
 
   Timestamp stamp_of_picture();
   bool send_packet();
+  [[nodiscard]] cv::Size size_of_picture() const;
+  cv::Mat grey_of_picture(cv::Mat recycled);
 };
 
 VideoReader::VideoReader(const std::filesystem::path& file, double start_s,
@@ -94,6 +112,7 @@ VideoReader::VideoReader(const std::filesystem::path& file, double start_s,
   }
   s.stream = s.container->streams[index];
   s.decoder = open_decoder(*s.stream, codec, s.name);
+  s.turn = turn_of(*s.stream, s.name);
   for (unsigned i = 0; i < s.container->nb_streams; ++i) {
     if (static_cast<int>(i) != index) s.container->streams[i]->discard = AVDISCARD_ALL;
   }
@@ -138,6 +157,20 @@ bool VideoReader::State::send_packet() {
   return sent >= 0;
 }
 
+cv::Size VideoReader::State::size_of_picture() const {
+  const cv::Size coded_size(picture->width, picture->height);
+  const bool is_upright = !turn || *turn == cv::ROTATE_180;
+  return is_upright ? coded_size : cv::Size(coded_size.height, coded_size.width);
+}
+
+cv::Mat VideoReader::State::grey_of_picture(cv::Mat recycled) {
+  if (!turn) return luma.extract(*picture, std::move(recycled));
+  coded = luma.extract(*picture, std::move(coded));
+  if (coded.empty()) return {};
+  cv::rotate(coded, recycled, *turn);
+  return recycled;
+}
+
 ReadResult VideoReader::read(cv::Mat recycled) {
   State& s = *state_;
   while (true) {
@@ -159,7 +192,7 @@ ReadResult VideoReader::read(cv::Mat recycled) {
     if (s.picture->decode_error_flags != 0 || (s.picture->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
       return {.status = ReadResult::Status::undecodable};
     }
-    const cv::Size size(s.picture->width, s.picture->height);
+    const cv::Size size = s.size_of_picture();
     if (s.size.area() > 0 && size != s.size) {
       throw InputError(fmt::format(
           "{}: the picture at {:.3f} s is {}x{}, those before are {}x{}; one calibration cannot "
@@ -167,11 +200,28 @@ ReadResult VideoReader::read(cv::Mat recycled) {
           s.name, to_seconds(stamp), size.width, size.height, s.size.width, s.size.height));
     }
     s.size = size;
-    cv::Mat grey = s.luma.extract(*s.picture, std::move(recycled));
+    cv::Mat grey = s.grey_of_picture(std::move(recycled));
     if (grey.empty()) return {.status = ReadResult::Status::undecodable};
     return {.status = ReadResult::Status::frame,
             .frame = {.stamp = stamp, .grey = std::move(grey)}};
   }
+}
+
+bool VideoReader::is_turned() const {
+  return state_->turn.has_value();
+}
+
+std::optional<std::string> VideoReader::oblong_pixels() const {
+  constexpr double kRounding = 0.01;
+  const State& s = *state_;
+  const AVRational aspect = av_guess_sample_aspect_ratio(s.container.get(), s.stream, nullptr);
+  if (aspect.num <= 0 || aspect.den <= 0 || std::abs(av_q2d(aspect) - 1) < kRounding) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "{}: its pixels are told to be {}:{} and not square; it is read as it is coded, and its "
+      "calibration must be of such pictures",
+      s.name, aspect.num, aspect.den);
 }
 
 std::optional<double> VideoReader::duration_s() const {
