@@ -127,8 +127,8 @@ Eigen::Vector3d rates_at(const TableReader& row) {
 // Rows of a stamp and what `read_row` makes of the cells after it.
 template <typename Value, typename ReadRow>
 TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t columns,
-                              const ReadRow& read_row) {
-  TableReader table(file, Separator::comma, columns);
+                              std::vector<Unit> units, const ReadRow& read_row) {
+  TableReader table(file, Separator::comma, columns, std::move(units));
   TimeSeries<Value> series;
   while (table.next()) {
     series.stamps.push_back(table.stamp());
@@ -151,37 +151,41 @@ SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestam
 }
 
 TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file) {
-  return read_series<Eigen::Vector3d>(file, 4, rates_at);
+  return read_series<Eigen::Vector3d>(file, 4, std::vector(3, Unit::radian_per_s), rates_at);
 }
 
 TimeSeries<double> read_heights(const std::filesystem::path& file) {
-  return read_series<double>(file, 2, [](const TableReader& row) { return row.number(1); });
+  return read_series<double>(file, 2, {Unit::metre},
+                             [](const TableReader& row) { return row.number(1); });
 }
 
 TimeSeries<Eigen::Quaterniond> read_attitudes(const std::filesystem::path& file) {
   return read_series<Eigen::Quaterniond>(
-      file, 5, [](const TableReader& row) { return quaternion_at(row, 1, 2); });
+      file, 5, {}, [](const TableReader& row) { return quaternion_at(row, 1, 2); });
 }
 
 TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
-  return read_series<Vector6d>(file, 4, [](const TableReader& row) {
-    if (row.name(1).starts_with('w')) {
-      row.reject(fmt::format("column '{}' is an angular rate; accelerations come first: ax, ay, az",
-                             row.name(1)));
-    }
-    Vector6d value = Vector6d::Zero();
-    value.head<3>() = vector_at(row, 1);
-    if (row.columns() >= 7) value.tail<3>() = vector_at(row, 4);
-    return value;
-  });
+  return read_series<Vector6d>(
+      file, 4, units_of_vectors(Unit::metre_per_s2, Unit::radian_per_s2),
+      [](const TableReader& row) {
+        if (row.name(1).starts_with('w')) {
+          row.reject(fmt::format(
+              "column '{}' is an angular rate; accelerations come first: ax, ay, az", row.name(1)));
+        }
+        Vector6d value = Vector6d::Zero();
+        value.head<3>() = vector_at(row, 1);
+        if (row.columns() >= 7) value.tail<3>() = vector_at(row, 4);
+        return value;
+      });
 }
 
 TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
-  return read_series<Vector6d>(file, 7, [](const TableReader& row) {
-    const Eigen::Vector3d rates = rates_at(row);
-    const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
-    return (Vector6d() << rates, forces).finished();
-  });
+  return read_series<Vector6d>(file, 7, units_of_vectors(Unit::radian_per_s, Unit::metre_per_s2),
+                               [](const TableReader& row) {
+                                 const Eigen::Vector3d rates = rates_at(row);
+                                 const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
+                                 return (Vector6d() << rates, forces).finished();
+                               });
 }
 
 TimeSeries<Vector6d> without_leaps(const TimeSeries<Vector6d>& imu) {

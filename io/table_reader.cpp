@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "io/text_file.hpp"
 
@@ -38,11 +39,12 @@ std::string shown(std::string_view cell) {
 }  // namespace
 
 TableReader::TableReader(const std::filesystem::path& file, Separator separator,
-                         std::size_t min_columns)
+                         std::size_t min_columns, std::vector<Unit> units)
     : file_(file.string()),
       content_(read_text_file(file)),
       separator_(separator),
       min_columns_(min_columns),
+      units_(std::move(units)),
       unit_exponent_(separator == Separator::blank ? 9 : 0) {}
 
 bool TableReader::next() {
@@ -63,6 +65,7 @@ bool TableReader::next() {
       continue;
     }
     in_rows_ = true;
+    if (!std::exchange(units_are_checked_, true)) check_units();
     if (cells_.size() < min_columns_) {
       reject(fmt::format("{} columns, at least {} separated by {} are needed", cells_.size(),
                          min_columns_, separator_ == Separator::comma ? "commas" : "blanks"));
@@ -120,13 +123,41 @@ void TableReader::reject(const std::string& problem) const {
 
 void TableReader::take_names(std::string_view line) {
   split(trimmed(line));
+  names_line_ = line_;
   names_.assign(cells_.begin(), cells_.end());
   if (separator_ == Separator::blank) return;
-  const std::string& first = names_[0];
-  unit_exponent_ = first.find("[s]") != std::string::npos    ? 9
-                   : first.find("[ms]") != std::string::npos ? 6
-                   : first.find("[us]") != std::string::npos ? 3
-                                                             : 0;
+  switch (unit_in_brackets(names_[0]).value_or(Unit::nanosecond)) {
+    case Unit::second:
+      unit_exponent_ = 9;
+      break;
+    case Unit::millisecond:
+      unit_exponent_ = 6;
+      break;
+    case Unit::microsecond:
+      unit_exponent_ = 3;
+      break;
+    default:
+      unit_exponent_ = 0;
+      break;
+  }
+}
+
+void TableReader::check_units() const {
+  if (separator_ == Separator::blank || names_.empty()) return;
+  const std::string line = fmt::format("{}:{}", file_, names_line_);
+  const Unit stamps = unit_in(names_[0]).value_or(Unit::nanosecond);
+  const bool is_read_so = unit_in_brackets(names_[0]) && stamps <= Unit::second;
+  if (stamps != Unit::nanosecond && !is_read_so) {
+    throw InputError(fmt::format(
+        "{}: column '{}': stamps are nanoseconds, or what the name ends in of [s], [ms] and [us]",
+        line, names_[0]));
+  }
+  for (std::size_t i = 0; i < units_.size() && i + 1 < names_.size(); ++i) {
+    if (unit_in(names_[i + 1]).value_or(units_[i]) == units_[i]) continue;
+    throw InputError(
+        fmt::format("{}: column '{}' must be in {}: convert it, or put the columns in order", line,
+                    names_[i + 1], symbol_of(units_[i])));
+  }
 }
 
 void TableReader::split(std::string_view line) {

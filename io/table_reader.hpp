@@ -8,6 +8,7 @@
 
 #include "geometry/fields.hpp"
 #include "geometry/time.hpp"
+#include "io/unit_name.hpp"
 
 namespace stillkite {
 
@@ -16,12 +17,15 @@ enum class Separator { comma, blank };
 /// A text table with a stamp in its first column: EuRoC and telemetry CSV (comma), TUM (blank).
 /// Lines that begin with # are comments; one line of names may come first, bare or as a comment.
 /// Stamps are nanoseconds unless the first column's name has [s], [ms] or [us]; in a table that is
-/// separated by blanks they are seconds.
+/// separated by blanks they are seconds. Nothing else is converted: a column whose name gives
+/// another unit than it is read in is refused.
 /// Every problem is an InputError "file:line: column: problem".
 class TableReader {
  public:
-  /// Reads the file; rows with fewer cells than `min_columns` are errors later.
-  TableReader(const std::filesystem::path& file, Separator separator, std::size_t min_columns);
+  /// Reads the file; rows with fewer cells than `min_columns` are errors later. `units` are those
+  /// of the columns after the stamp.
+  TableReader(const std::filesystem::path& file, Separator separator, std::size_t min_columns,
+              std::vector<Unit> units = {});
 
   /// Moves to the next row; false at the end.
   [[nodiscard]] bool next();
@@ -42,6 +46,7 @@ class TableReader {
 
  private:
   void take_names(std::string_view line);
+  void check_units() const;
   void split(std::string_view line);
   [[nodiscard]] std::string column_name(std::size_t column) const;
 
@@ -51,7 +56,10 @@ class TableReader {
   std::size_t min_columns_;
   std::size_t at_ = 0;  // first character that is not read yet
   int line_ = 0;
+  int names_line_ = 0;
   bool in_rows_ = false;
+  bool units_are_checked_ = false;
+  std::vector<Unit> units_;
   std::vector<std::string> names_;
   int unit_exponent_;  // of ten, from the stamp's unit to nanoseconds
   std::vector<std::string_view> cells_;

@@ -51,7 +51,7 @@ std::vector<StampedPose> read_trajectory(const fs::path& path) {
                      " or a trajectory.tum");
   }
   const Separator separator = separator_of(*file);
-  TableReader table(*file, separator, 8);
+  TableReader table(*file, separator, 8, std::vector(3, Unit::metre));
   std::vector<StampedPose> poses;
   while (table.next()) {
     const Timestamp stamp = table.stamp();
@@ -64,7 +64,8 @@ std::vector<StampedPose> read_trajectory(const fs::path& path) {
 }
 
 std::vector<StampedTwist> read_twists(const fs::path& file) {
-  TableReader table(file, Separator::comma, 7);
+  TableReader table(file, Separator::comma, 7,
+                    units_of_vectors(Unit::metre_per_s, Unit::radian_per_s));
   std::vector<StampedTwist> twists;
   while (table.next()) {
     const Timestamp stamp = table.stamp();

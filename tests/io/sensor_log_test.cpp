@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include <fmt/core.h>
 #include "navigation/navigator.hpp"
+
 #include "temporary_folder.hpp"
 
 namespace stillkite {
@@ -152,13 +154,51 @@ TEST(SensorLog, WhatNoGyroscopeTellsIsAnError) {
   EXPECT_EQ(error("1,0,0,0,0,0,9.8\n2,0,1e160,0,0,0,9.8\n"),
             "imu.csv:2: column 3: 1e160 is out of range, allowed is [-100, 100]");
   EXPECT_NE(error("1,0,0,0,0,0,1e5\n").find("out of range"), std::string::npos);
-  for (const char* name : {"ax", "acc_x", "a_RS_S_x [m s^-2]", "linear_acceleration.x"}) {
+  for (const char* name : {"ax", "acc_x", "a_RS_S_x", "linear_acceleration.x"}) {
     EXPECT_NE(error(std::string("timestamp [ns],") + name + ",b,c,d,e,f\n1,0,0,9.8,0,0,0\n")
                   .find("stands where an angular rate must"),
               std::string::npos)
         << name;
   }
   EXPECT_EQ(error("timestamp [ns],angular_velocity.x,y,z,ax,ay,az\n1,0,0,0,0,0,9.8\n"), "accepted");
+}
+
+TEST(SensorLog, OtherUnitsAreRefusedByTheColumnsNames) {
+  const TemporaryFolder folder;
+  const auto of_heights = [&](const std::string& names) {
+    const auto file = folder.file("h.csv", "#recorded [ft], by boat\n" + names + "\n1,2\n");
+    return input_error_of(folder, [&] { (void)read_heights(file); });
+  };
+  EXPECT_EQ(of_heights("t,height [cm]"),
+            "h.csv:2: column 'height [cm]' must be in m: convert it, or put the columns in order");
+  EXPECT_EQ(of_heights("time_us,h"),
+            "h.csv:2: column 'time_us': stamps are nanoseconds, or what the name ends in of [s], "
+            "[ms] and [us]");
+  for (const char* name :
+       {"h [mm]", "h (ft)", "range_cm", "p [Pa]", "p_hPa", "h [m/s]", "h [KM]"}) {
+    EXPECT_NE(of_heights(std::string("t,") + name), "accepted") << name;
+  }
+  for (const char* name :
+       {"h", "h []", "h [m]", "h (metres)", "h_m", "height [agl]", "h_in", "a_g"}) {
+    EXPECT_EQ(of_heights(std::string("t,") + name), "accepted") << name;
+  }
+  const auto of_imu = [&](const std::string& rate, const std::string& force) {
+    const auto file = folder.file(
+        "imu.csv",
+        fmt::format("t (s),x{0},y{0},z{0},x{1},y{1},z{1}\n1,0,0,0,0,0,9.8\n", rate, force));
+    return input_error_of(folder, [&] { (void)read_imu(file); });
+  };
+  for (const char* name : {"", " [rad/s]", " [rad s^-1]", "_rad_s", " [rad s⁻¹]", " [rad/sec]"}) {
+    for (const char* other : {"", " [m/s^2]", " [m s^-2]", "_m_s2", " [m/s²]", " (m/s/s)"}) {
+      EXPECT_EQ(of_imu(name, other), "accepted") << name << other;
+    }
+  }
+  for (const char* name : {" [deg/s]", "_dps", " [°/s]", " [deg s^-1]", "_deg_s", " [m s^-2]"}) {
+    EXPECT_NE(of_imu(name, ""), "accepted") << name;
+  }
+  for (const char* name : {" [g]", " (mg)", " [cm/s²]"}) {
+    EXPECT_NE(of_imu("", name), "accepted") << name;
+  }
 }
 
 }  // namespace
