@@ -70,8 +70,8 @@ void reject_if_unmatched(const Evaluation& evaluation, const EvaluateArguments& 
   }
   if (!evaluation.alignment) {
     throw InputError(fmt::format(
-        "{}: --align {} is not determined by this path (it has no extent in the directions that "
-        "it needs); use --align origin or none",
+        "{}: --align {} is not determined by these paths (one of them stands still, or has no "
+        "extent in the directions that it needs); use --align origin or none",
         arguments.estimate, arguments.alignment));
   }
 }

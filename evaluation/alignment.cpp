@@ -6,12 +6,13 @@
 namespace stillkite {
 namespace {
 
-/// Of the positions: centroids, cross covariance (truth, estimate), variance of the estimate.
+/// Of the positions: centroids, cross covariance (truth, estimate), variances.
 struct Moments {
   Eigen::Vector3d estimate_mean = Eigen::Vector3d::Zero();
   Eigen::Vector3d truth_mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
   double estimate_variance = 0;
+  double truth_variance = 0;
 };
 
 Moments moments(std::span<const PosePair> pairs) {
@@ -23,16 +24,26 @@ Moments moments(std::span<const PosePair> pairs) {
   }
   for (const PosePair& pair : pairs) {
     const Eigen::Vector3d x = pair.estimate.translation - m.estimate_mean;
-    m.cross += (pair.truth.translation - m.truth_mean) * x.transpose() / n;
+    const Eigen::Vector3d y = pair.truth.translation - m.truth_mean;
+    m.cross += y * x.transpose() / n;
     m.estimate_variance += x.squaredNorm() / n;
+    m.truth_variance += y.squaredNorm() / n;
   }
   return m;
 }
 
-/// Below this share of the largest singular value an extent is rounding.
+/// Below this share of the largest singular value, or of the way from the origin, an extent is
+/// rounding.
 constexpr double kRounding = 1e-9;
 
+/// What stands still has neither direction nor scale.
+bool both_move(const Moments& m) {
+  return std::sqrt(m.estimate_variance) > kRounding * m.estimate_mean.norm() &&
+         std::sqrt(m.truth_variance) > kRounding * m.truth_mean.norm();
+}
+
 std::optional<Similarity> umeyama(const Moments& m, bool with_scale) {
+  if (!both_move(m)) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m.cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d& d = svd.singularValues();
   if (!(d(1) > kRounding * d(0))) return std::nullopt;
@@ -46,6 +57,7 @@ std::optional<Similarity> umeyama(const Moments& m, bool with_scale) {
 }
 
 std::optional<Similarity> turn_about_vertical(const Moments& m) {
+  if (!both_move(m)) return std::nullopt;
   const double sine = m.cross(1, 0) - m.cross(0, 1);
   const double cosine = m.cross(0, 0) + m.cross(1, 1);
   if (!(std::hypot(sine, cosine) > kRounding * m.estimate_variance)) return std::nullopt;

@@ -93,5 +93,17 @@ TEST(BestAlignment, says_nothing_where_the_positions_leave_it_open) {
   EXPECT_FALSE(best_alignment({}, Alignment::origin));
 }
 
+// The means of what stands still are off by rounding, which is no way.
+TEST(BestAlignment, says_nothing_of_what_stands_still) {
+  auto pairs = pairs_with({.rigid = {so3_exp({0, 0, 1}), {0, 0, 0}}});
+  auto still_truth = pairs;
+  for (PosePair& pair : pairs) pair.estimate.translation = {0.1, 0.2, 20.3};
+  for (PosePair& pair : still_truth) pair.truth.translation = {0.1, 0.2, 20.3};
+  for (const Alignment alignment : {Alignment::yaw, Alignment::se3, Alignment::sim3}) {
+    EXPECT_FALSE(best_alignment(pairs, alignment));
+    EXPECT_FALSE(best_alignment(still_truth, alignment));
+  }
+}
+
 }  // namespace
 }  // namespace stillkite
