@@ -110,7 +110,7 @@ void print_table(const Evaluation& evaluation, const EvaluateArguments& argument
   fmt::print("  {:<22} {:.5g} m, at most {:.5g} m\n", "position RMSE (ATE)", position.rmse_m,
              position.max_m);
   fmt::print("  {:<22} {:.5g} m horizontal, {:.5g} m vertical\n", "end error",
-             position.end_horizontal_m, position.end_vertical_m);
+             position.end->horizontal_m, position.end->vertical_m);
   if (evaluation.drift_percent) {
     fmt::print("  {:<22} {:.4g} % of the path\n", "drift", *evaluation.drift_percent);
   }

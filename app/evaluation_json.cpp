@@ -25,8 +25,9 @@ void add_trajectory(json& result, const std::optional<TrajectoryError>& error) {
   };
   result["position_rmse_m"] = length(&PositionError::rmse_m);
   result["position_max_m"] = length(&PositionError::max_m);
-  result["end_error_horizontal_m"] = length(&PositionError::end_horizontal_m);
-  result["end_error_vertical_m"] = length(&PositionError::end_vertical_m);
+  const bool has_end = error && error->position && error->position->end;
+  result["end_error_horizontal_m"] = has_end ? json(error->position->end->horizontal_m) : json();
+  result["end_error_vertical_m"] = has_end ? json(error->position->end->vertical_m) : json();
   result["tilt_rmse_rad"] = angle(&TrajectoryError::tilt_rmse_rad);
   result["yaw_rmse_rad"] = angle(&TrajectoryError::yaw_rmse_rad);
 }

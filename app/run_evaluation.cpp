@@ -8,17 +8,6 @@
 namespace stillkite {
 namespace {
 
-// An IMU tells metres midway, and not how high over the ground the flight began.
-bool are_places_in_metres(ScaleSource scale) {
-  return scale != ScaleSource::none && scale != ScaleSource::imu;
-}
-
-EvaluationOptions options_of(const FlightInputs& inputs,
-                             std::span<const NavigationEstimate> estimates) {
-  return {.is_metric = are_places_in_metres(estimates.back().scale),
-          .body_from_camera = inputs.body_from_camera};
-}
-
 Truth truth_of(const FlightInputs& inputs) {
   return {.poses = inputs.truth, .twists_in_camera = inputs.twists_in_camera};
 }
@@ -35,7 +24,7 @@ std::int64_t frames_with_truth(const FlightInputs& inputs,
 nlohmann::json run_evaluation(const FlightInputs& inputs,
                               std::span<const NavigationEstimate> estimates) {
   if (frames_with_truth(inputs, estimates) < kFewestToJudge) return nullptr;
-  const EvaluationOptions options = options_of(inputs, estimates);
+  const EvaluationOptions options{.body_from_camera = inputs.body_from_camera};
   Evaluation evaluation = evaluate(judged_motions(estimates), truth_of(inputs), options);
   evaluation.reference =
       reference_error(estimates, inputs.truth, inputs.body_from_camera, options.tolerance_s);
@@ -45,7 +34,8 @@ nlohmann::json run_evaluation(const FlightInputs& inputs,
 std::vector<FrameError> run_frame_errors(const FlightInputs& inputs,
                                          std::span<const NavigationEstimate> estimates) {
   if (frames_with_truth(inputs, estimates) < kFewestToJudge) return {};
-  return frame_errors(judged_motions(estimates), truth_of(inputs), options_of(inputs, estimates));
+  return frame_errors(judged_motions(estimates), truth_of(inputs),
+                      {.body_from_camera = inputs.body_from_camera});
 }
 
 std::vector<std::optional<RigidTransform>> truth_at(const FlightInputs& inputs,

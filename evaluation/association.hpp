@@ -22,6 +22,7 @@ struct PosePair {
   Timestamp stamp;
   RigidTransform estimate;
   RigidTransform truth;
+  bool is_metric = true;  ///< false: the estimate's lengths are not metres
 };
 
 /// Pose at the stamp, interpolated between its two neighbours; nothing when the nearer of them is

@@ -7,11 +7,16 @@
 namespace stillkite {
 namespace {
 
+bool can_be_judged(const TwistPair& pair, Eigen::Vector3d Twist::*part) {
+  return pair.is_metric || part == &Twist::angular_rate_rad_s;
+}
+
 std::optional<VectorError> twist_error(std::span<const TwistPair> pairs,
                                        Eigen::Vector3d Twist::*part) {
   std::vector<Eigen::Vector3d> estimate;
   std::vector<Eigen::Vector3d> truth;
   for (const TwistPair& pair : pairs) {
+    if (!can_be_judged(pair, part)) continue;
     estimate.push_back(pair.estimate.*part);
     truth.push_back(pair.truth.*part);
   }
@@ -24,7 +29,7 @@ std::optional<Consistency> twist_consistency(std::span<const JudgedMotion> estim
   std::vector<double> samples;
   for (const TwistPair& pair : pairs) {
     const std::optional<Matrix6d>& P = estimates[pair.index].twist_covariance;
-    if (!P) continue;
+    if (!P || !can_be_judged(pair, part)) continue;
     const Eigen::Matrix3d block = P->block<3, 3>(offset, offset);
     const auto value = nees(pair.estimate.*part - pair.truth.*part, block);
     if (value) samples.push_back(*value);
@@ -45,25 +50,20 @@ PoseNees pose_nees(std::span<const JudgedMotion> estimates, std::span<const Pose
         nees(pair.estimate.translation - pair.truth.translation, P->topLeftCorner<3, 3>());
     const auto attitude = nees(so3_log(pair.estimate.rotation * pair.truth.rotation.conjugate()),
                                P->bottomRightCorner<3, 3>());
-    if (position) samples.position.push_back(*position);
+    if (position && pair.is_metric) samples.position.push_back(*position);
     if (attitude) samples.attitude.push_back(*attitude);
   }
   return samples;
 }
 
-void forget_lengths(Evaluation& result) {
-  if (result.trajectory) result.trajectory->position.reset();
-  result.drift_percent.reset();
-  result.per_frame.reset();
-  result.per_tenth.reset();
-  result.velocity.reset();
-  result.nees.position.reset();
-  result.nees.velocity.reset();
+std::optional<double> drift_percent(const std::optional<PositionError>& error,
+                                    double path_length_m) {
+  if (!error || !error->end || !(path_length_m > 0)) return std::nullopt;
+  return 100 * std::hypot(error->end->horizontal_m, error->end->vertical_m) / path_length_m;
 }
 
-std::optional<double> drift_percent(const PositionError& error, double path_length_m) {
-  if (!(path_length_m > 0)) return std::nullopt;
-  return 100 * std::hypot(error.end_horizontal_m, error.end_vertical_m) / path_length_m;
+bool is_in_metres(ScaleSource scale) {
+  return scale != ScaleSource::none && scale != ScaleSource::imu;
 }
 
 }  // namespace
@@ -74,6 +74,7 @@ std::vector<JudgedMotion> judged_motions(std::span<const NavigationEstimate> est
   for (const NavigationEstimate& estimate : estimates) {
     JudgedMotion motion{.stamp = estimate.stamp,
                         .world_from_body = estimate.world_from_body,
+                        .is_metric = is_in_metres(estimate.scale),
                         .pose_covariance = estimate.pose_covariance};
     if (estimate.verdict != Verdict::first_frame) {
       motion.twist_in_camera = estimate.twist_in_camera;
@@ -84,12 +85,16 @@ std::vector<JudgedMotion> judged_motions(std::span<const NavigationEstimate> est
   return result;
 }
 
-std::vector<StampedPose> poses_of(std::span<const JudgedMotion> motions) {
+std::vector<PosePair> matched_poses(std::span<const JudgedMotion> estimates, const Truth& truth,
+                                    double tolerance_s) {
   std::vector<StampedPose> poses;
-  poses.reserve(motions.size());
-  for (const JudgedMotion& motion : motions)
-    poses.push_back({motion.stamp, motion.world_from_body});
-  return poses;
+  poses.reserve(estimates.size());
+  for (const JudgedMotion& estimate : estimates) {
+    poses.push_back({estimate.stamp, estimate.world_from_body});
+  }
+  std::vector<PosePair> pairs = associate(poses, truth.poses, tolerance_s);
+  for (PosePair& pair : pairs) pair.is_metric = estimates[pair.index].is_metric;
+  return pairs;
 }
 
 std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses) {
@@ -104,8 +109,7 @@ std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses) {
 Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
                     const EvaluationOptions& options) {
   // 1. The stamps that both know.
-  const std::vector<PosePair> raw =
-      associate(poses_of(estimates), truth.poses, options.tolerance_s);
+  const std::vector<PosePair> raw = matched_poses(estimates, truth, options.tolerance_s);
   Evaluation result{.matched = static_cast<int>(raw.size()), .path_length_m = path_length_m(raw)};
 
   // 2. Poses, once the estimate lies on the truth.
@@ -113,7 +117,7 @@ Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
   const std::vector<PosePair> pairs = aligned(raw, result.alignment.value_or(Similarity{}));
   if (result.alignment) {
     result.trajectory = trajectory_error(pairs);
-    result.drift_percent = drift_percent(*result.trajectory->position, result.path_length_m);
+    result.drift_percent = drift_percent(result.trajectory->position, result.path_length_m);
     result.per_frame = relative_error_over_frames(pairs, 1);
     if (result.path_length_m > 0) {
       result.per_tenth = relative_error_over_distance(pairs, result.path_length_m / 10);
@@ -134,7 +138,6 @@ Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
   }
   result.nees.velocity = twist_consistency(estimates, twists, &Twist::velocity_m_s, 0);
   result.nees.angular_rate = twist_consistency(estimates, twists, &Twist::angular_rate_rad_s, 3);
-  if (!options.is_metric) forget_lengths(result);
   return result;
 }
 

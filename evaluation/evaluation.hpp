@@ -19,24 +19,27 @@ namespace stillkite {
 struct JudgedMotion {
   Timestamp stamp;
   RigidTransform world_from_body;
+  bool is_metric = true;                     ///< false: its lengths are not metres
   std::optional<Twist> twist_in_camera;      ///< else the difference of neighbouring poses
   std::optional<Matrix6d> pose_covariance;   ///< (translation, rotation vector), both in world
   std::optional<Matrix6d> twist_covariance;  ///< (velocity, angular rate), in the camera
 };
 
-/// All of a run's frames; the first one's twist is left out, nothing was measured yet.
+/// All of a run's frames; the first one's twist is left out, nothing was measured yet. Each is
+/// metric by its own scale: an IMU tells metres midway, and not how high the flight began.
 [[nodiscard]] std::vector<JudgedMotion> judged_motions(
     std::span<const NavigationEstimate> estimates);
 
 /// Poses alone, as a trajectory file has them.
 [[nodiscard]] std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses);
 
-[[nodiscard]] std::vector<StampedPose> poses_of(std::span<const JudgedMotion> motions);
+/// The estimates that have a true pose.
+[[nodiscard]] std::vector<PosePair> matched_poses(std::span<const JudgedMotion> estimates,
+                                                  const Truth& truth, double tolerance_s);
 
 struct EvaluationOptions {
   double tolerance_s = 0.01;  ///< between an estimate and the nearest truth
   Alignment alignment = Alignment::none;
-  bool is_metric = true;  ///< false: lengths of the estimate are not metres, and are not compared
   RigidTransform body_from_camera;
 };
 
@@ -59,7 +62,7 @@ struct Evaluation {
 
 /// Velocities are compared half way between a frame and the one before it: with
 /// `truth.twists_in_camera` where it has any, else with the difference of the true poses. Of an
-/// estimate without a scale only attitude and angular rate are judged.
+/// estimate that is not metric only attitude and angular rate are judged.
 [[nodiscard]] Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
                                   const EvaluationOptions& options = {});
 

@@ -20,13 +20,12 @@ const std::optional<double>& figure_of(const FrameError& error, FrameFigure figu
 std::vector<FrameError> frame_errors(std::span<const JudgedMotion> estimates, const Truth& truth,
                                      const EvaluationOptions& options) {
   std::vector<FrameError> errors(estimates.size());
-  const std::vector<PosePair> poses =
-      associate(poses_of(estimates), truth.poses, options.tolerance_s);
+  const std::vector<PosePair> poses = matched_poses(estimates, truth, options.tolerance_s);
   for (const PosePair& pair : poses) {
     FrameError& error = errors[pair.index];
     figure_of(error, FrameFigure::attitude) =
         so3_log(pair.estimate.rotation * pair.truth.rotation.conjugate()).norm();
-    if (!options.is_metric) continue;
+    if (!pair.is_metric) continue;
     figure_of(error, FrameFigure::position) =
         (pair.estimate.translation - pair.truth.translation).norm();
   }
@@ -34,7 +33,7 @@ std::vector<FrameError> frame_errors(std::span<const JudgedMotion> estimates, co
     FrameError& error = errors[pair.index];
     figure_of(error, FrameFigure::angular_rate) =
         (pair.estimate.angular_rate_rad_s - pair.truth.angular_rate_rad_s).norm();
-    if (!options.is_metric) continue;
+    if (!pair.is_metric) continue;
     figure_of(error, FrameFigure::velocity) =
         (pair.estimate.velocity_m_s - pair.truth.velocity_m_s).norm();
   }

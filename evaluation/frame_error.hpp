@@ -28,7 +28,7 @@ struct EnumNames<FrameFigure> {
 using FrameError = std::array<std::optional<double>, EnumNames<FrameFigure>::value.size()>;
 
 /// One for each estimate, without alignment and by the rules of `evaluate`: velocities half way
-/// between the frame before and this one, in the camera; of an estimate without a scale only
+/// between the frame before and this one, in the camera; of an estimate that is not metric only
 /// attitude and angular rate.
 [[nodiscard]] std::vector<FrameError> frame_errors(std::span<const JudgedMotion> estimates,
                                                    const Truth& truth,

@@ -25,8 +25,12 @@ std::vector<double> arc_lengths_m(std::span<const PosePair> pairs) {
   return lengths;
 }
 
-std::optional<RelativeError> relative_error(
-    std::span<const PosePair> pairs, std::span<const std::pair<std::size_t, std::size_t>> steps) {
+using Steps = std::vector<std::pair<std::size_t, std::size_t>>;
+
+std::optional<RelativeError> relative_error(std::span<const PosePair> pairs, Steps steps) {
+  std::erase_if(steps, [&](const auto& step) {
+    return !pairs[step.first].is_metric || !pairs[step.second].is_metric;
+  });
   if (steps.empty()) return std::nullopt;
   const std::vector<double> arc_m = arc_lengths_m(pairs);
   RelativeError result{.count = static_cast<int>(steps.size())};
@@ -45,30 +49,41 @@ std::optional<RelativeError> relative_error(
   return result;
 }
 
+std::optional<PositionError> position_error(std::span<const PosePair> pairs) {
+  PositionError result;
+  double sum_m2 = 0;
+  int samples = 0;
+  for (const PosePair& pair : pairs) {
+    if (!pair.is_metric) continue;
+    const double distance_m = (pair.estimate.translation - pair.truth.translation).norm();
+    sum_m2 += distance_m * distance_m;
+    result.max_m = std::max(result.max_m, distance_m);
+    ++samples;
+  }
+  if (samples == 0) return std::nullopt;
+  result.rmse_m = std::sqrt(sum_m2 / samples);
+  if (const PosePair& last = pairs.back(); last.is_metric) {
+    const Eigen::Vector3d error_m = last.estimate.translation - last.truth.translation;
+    result.end = {.horizontal_m = error_m.head<2>().norm(), .vertical_m = std::abs(error_m.z())};
+  }
+  return result;
+}
+
 }  // namespace
 
 std::optional<TrajectoryError> trajectory_error(std::span<const PosePair> pairs) {
   if (pairs.empty()) return std::nullopt;
-  TrajectoryError result;
-  PositionError position;
+  TrajectoryError result{.position = position_error(pairs)};
   const double n = static_cast<double>(pairs.size());
   for (const PosePair& pair : pairs) {
-    const double distance_m = (pair.estimate.translation - pair.truth.translation).norm();
     const Eigen::Quaterniond error = pair.estimate.rotation * pair.truth.rotation.conjugate();
     const double tilt = tilt_rad(error);
     const double yaw = twist_about_vertical_rad(error);
-    position.rmse_m += distance_m * distance_m / n;
-    position.max_m = std::max(position.max_m, distance_m);
     result.tilt_rmse_rad += tilt * tilt / n;
     result.yaw_rmse_rad += yaw * yaw / n;
   }
-  position.rmse_m = std::sqrt(position.rmse_m);
   result.tilt_rmse_rad = std::sqrt(result.tilt_rmse_rad);
   result.yaw_rmse_rad = std::sqrt(result.yaw_rmse_rad);
-  const Eigen::Vector3d end = pairs.back().estimate.translation - pairs.back().truth.translation;
-  position.end_horizontal_m = end.head<2>().norm();
-  position.end_vertical_m = std::abs(end.z());
-  result.position = position;
   return result;
 }
 
@@ -78,23 +93,23 @@ double path_length_m(std::span<const PosePair> pairs) {
 
 std::optional<RelativeError> relative_error_over_frames(std::span<const PosePair> pairs,
                                                         int frames) {
-  std::vector<std::pair<std::size_t, std::size_t>> steps;
+  Steps steps;
   const auto step = static_cast<std::size_t>(frames);
   for (std::size_t i = 0; i + step < pairs.size(); ++i) steps.emplace_back(i, i + step);
-  return relative_error(pairs, steps);
+  return relative_error(pairs, std::move(steps));
 }
 
 std::optional<RelativeError> relative_error_over_distance(std::span<const PosePair> pairs,
                                                           double distance_m) {
   const std::vector<double> arc_m = arc_lengths_m(pairs);
-  std::vector<std::pair<std::size_t, std::size_t>> steps;
+  Steps steps;
   for (std::size_t i = 0; i < arc_m.size(); ++i) {
     const auto end = std::lower_bound(arc_m.begin() + static_cast<std::ptrdiff_t>(i), arc_m.end(),
                                       arc_m[i] + distance_m);
     if (end == arc_m.end()) break;
     steps.emplace_back(i, static_cast<std::size_t>(end - arc_m.begin()));
   }
-  return relative_error(pairs, steps);
+  return relative_error(pairs, std::move(steps));
 }
 
 }  // namespace stillkite

@@ -36,8 +36,11 @@ std::vector<TwistPair> twist_pairs(std::span<const JudgedMotion> estimates,
         truth.twists_in_camera.empty()
             ? from_poses(&PosePair::truth)
             : twist_at(truth.twists_in_camera, estimates[i].stamp, options.tolerance_s);
+    const bool is_metric =
+        estimates[i].is_metric && (estimates[i].twist_in_camera || estimates[i - 1].is_metric);
     if (estimate && expected) {
-      result.push_back({.index = i, .estimate = *estimate, .truth = *expected});
+      result.push_back(
+          {.index = i, .estimate = *estimate, .truth = *expected, .is_metric = is_metric});
     }
   }
   return result;

@@ -12,6 +12,7 @@ struct TwistPair {
   std::size_t index = 0;  ///< of the estimate
   Twist estimate;
   Twist truth;
+  bool is_metric = true;  ///< false: the estimate's velocity is not in m/s
 };
 
 /// Where estimate and truth both know the motion. Where the truth has velocities of its own, an

@@ -11,9 +11,9 @@ function drawHeadline() {
   if (evaluation) {
     tiles.push(
       tile('Drift', evaluation.drift_percent, '%', `of a path of ${shown(evaluation.path_length_m)} m`),
-      tile('Position RMSE', evaluation.position_rmse_m, lengthUnit, `${evaluation.matched} frames with truth`),
-      tile('End error', evaluation.end_error_horizontal_m, lengthUnit,
-           `vertical ${shown(evaluation.end_error_vertical_m)} ${lengthUnit}`),
+      tile('Position RMSE', evaluation.position_rmse_m, 'm', `${evaluation.matched} frames with truth`),
+      tile('End error', evaluation.end_error_horizontal_m, 'm',
+           `vertical ${shown(evaluation.end_error_vertical_m)} m`),
       tile('Tilt RMSE', degrees(evaluation.tilt_rmse_rad), '°', `yaw ${shown(degrees(evaluation.yaw_rmse_rad))}°`));
   }
   tiles.push(

@@ -43,8 +43,8 @@ TEST(Evaluate, gives_the_drift_as_a_share_of_the_path) {
   }
   const Evaluation result = evaluate(judged_motions(poses), truth);
   EXPECT_NEAR(*result.drift_percent, 0.5, 1e-9);
-  EXPECT_NEAR(result.trajectory->position->end_horizontal_m, 0.3, 1e-9);
-  EXPECT_NEAR(result.trajectory->position->end_vertical_m, 0.4, 1e-9);
+  EXPECT_NEAR(result.trajectory->position->end->horizontal_m, 0.3, 1e-9);
+  EXPECT_NEAR(result.trajectory->position->end->vertical_m, 0.4, 1e-9);
   EXPECT_NEAR(result.velocity->rmse.y(), 0.03, 1e-9);
   EXPECT_NEAR(result.per_tenth->translation_rmse_m, 0.05, 1e-9);
 }
@@ -117,6 +117,38 @@ TEST(Evaluate, scales_velocities_with_sim3) {
   EXPECT_NEAR(result.alignment->scale, 2, 1e-9);
   EXPECT_NEAR(result.trajectory->position->rmse_m, 0, 1e-9);
   EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
+}
+
+// Its first second is told in heights of 10 m, each row by its own scale.
+TEST(Evaluate, leaves_out_the_lengths_of_rows_without_a_scale) {
+  const Truth truth = straight_flight();
+  std::vector<NavigationEstimate> rows;
+  for (const StampedPose& pose : truth.poses) {
+    rows.push_back({.stamp = pose.stamp,
+                    .verdict = Verdict::ok,
+                    .world_from_body = pose.world_from_body,
+                    .twist_in_camera = {.velocity_m_s = {10, 0, 0}},
+                    .scale = ScaleSource::range});
+    rows.back().world_from_body.translation.y() += 0.3;
+  }
+  for (std::size_t i = 0; i < 10; ++i) {
+    rows[i].scale = ScaleSource::none;
+    rows[i].world_from_body.translation /= 10;
+    rows[i].twist_in_camera.velocity_m_s /= 10;
+  }
+  Evaluation result = evaluate(judged_motions(rows), truth);
+  EXPECT_EQ(result.matched, kFrames);
+  EXPECT_NEAR(result.trajectory->position->rmse_m, 0.3, 1e-9);
+  EXPECT_NEAR(result.drift_percent.value(), 0.3, 1e-9);
+  EXPECT_EQ(result.per_frame->count, kFrames - 11);
+  EXPECT_EQ(result.velocity->samples, kFrames - 10);
+  EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
+
+  rows.back().scale = ScaleSource::none;
+  result = evaluate(judged_motions(rows), truth);
+  EXPECT_NEAR(result.trajectory->position->rmse_m, 0.3, 1e-9);
+  EXPECT_FALSE(result.trajectory->position->end);
+  EXPECT_FALSE(result.drift_percent);
 }
 
 TEST(Evaluate, without_common_stamps_knows_nothing) {

@@ -49,13 +49,16 @@ TEST(FrameErrors, are_those_that_were_put_in) {
 
 TEST(FrameErrors, of_an_estimate_without_scale_are_no_lengths) {
   const Truth truth = turning_flight();
-  const std::vector<FrameError> errors =
-      frame_errors(offset_estimate(truth, 0.3), truth, {.is_metric = false});
+  std::vector<JudgedMotion> estimates = offset_estimate(truth, 0.3);
+  for (JudgedMotion& estimate : estimates) estimate.is_metric = false;
+  estimates[8].is_metric = true;
+  const std::vector<FrameError> errors = frame_errors(estimates, truth);
   EXPECT_FALSE(errors[7][kPosition]);
   EXPECT_FALSE(errors[7][kVelocity]);
   EXPECT_TRUE(errors[7][kAttitude]);
   EXPECT_TRUE(errors[7][kAngularRate]);
-  EXPECT_FALSE(mean_error(errors, FrameFigure::velocity));
+  EXPECT_NEAR(errors[8][kPosition].value(), 0.3, 1e-12);
+  EXPECT_NEAR(mean_error(errors, FrameFigure::velocity).value(), 2, 1e-9);
 }
 
 TEST(PairedDifference, is_that_of_two_constant_errors) {

@@ -29,8 +29,8 @@ TEST(TrajectoryError, of_a_constant_offset_is_that_offset) {
   ASSERT_TRUE(error);
   EXPECT_NEAR(error->position->rmse_m, 13, 1e-12);
   EXPECT_NEAR(error->position->max_m, 13, 1e-12);
-  EXPECT_NEAR(error->position->end_horizontal_m, 5, 1e-12);
-  EXPECT_NEAR(error->position->end_vertical_m, 12, 1e-12);
+  EXPECT_NEAR(error->position->end->horizontal_m, 5, 1e-12);
+  EXPECT_NEAR(error->position->end->vertical_m, 12, 1e-12);
   EXPECT_NEAR(error->tilt_rmse_rad, 0, 1e-12);
   EXPECT_NEAR(error->yaw_rmse_rad, 0, 1e-12);
 }
