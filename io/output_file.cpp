@@ -1,11 +1,9 @@
 #include "io/output_file.hpp"
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -14,10 +12,6 @@
 namespace stillkite {
 namespace fs = std::filesystem;
 namespace {
-
-fs::path part_of(const fs::path& file) {
-  return fs::path(file) += ".part";
-}
 
 [[noreturn]] void fail_to_write(const fs::path& file, int error) {
   throw std::runtime_error(fmt::format("{}: cannot be written: {}{}", file.string(),
@@ -29,28 +23,7 @@ fs::path part_of(const fs::path& file) {
 
 }  // namespace
 
-OutputFile::OutputFile(fs::path file)
-    : file_(std::move(file)),
-      descriptor_(open(part_of(file_).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
-  if (descriptor_ < 0) {
-    throw InputError(fmt::format("{}: cannot be created: {}; choose another folder with --out",
-                                 file_.string(), std::strerror(errno)));
-  }
-}
-
-OutputFile::OutputFile(OutputFile&& other) noexcept
-    : file_(std::move(other.file_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      on_disk_(other.on_disk_),
-      has_failed_(other.has_failed_),
-      waiting_(std::move(other.waiting_)) {}
-
-OutputFile::~OutputFile() {
-  if (descriptor_ < 0) return;
-  close(descriptor_);
-  std::error_code ignored;
-  fs::remove(part_of(file_), ignored);
-}
+OutputFile::OutputFile(fs::path file) : part_(std::move(file)) {}
 
 void OutputFile::write(std::string_view text) {
   constexpr std::size_t kBlock = 1 << 14;
@@ -62,7 +35,7 @@ void OutputFile::flush() {
   const std::string block = std::exchange(waiting_, {});
   std::size_t done = 0;
   while (done < block.size()) {
-    const ssize_t n = ::write(descriptor_, block.data() + done, block.size() - done);
+    const ssize_t n = ::write(part_.descriptor(), block.data() + done, block.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       const int error = n < 0 ? errno : ENOSPC;
@@ -70,9 +43,9 @@ void OutputFile::flush() {
       const std::size_t line = done > 0 ? block.rfind('\n', done - 1) : std::string::npos;
       if (line != std::string::npos) on_disk_ += static_cast<std::int64_t>(line) + 1;
       has_failed_ = true;
-      if (ftruncate(descriptor_, on_disk_) != 0) on_disk_ = 0;
-      lseek(descriptor_, on_disk_, SEEK_SET);
-      fail_to_write(file_, error);
+      if (ftruncate(part_.descriptor(), on_disk_) != 0) on_disk_ = 0;
+      lseek(part_.descriptor(), on_disk_, SEEK_SET);
+      fail_to_write(part_.file(), error);
     }
     done += static_cast<std::size_t>(n);
   }
@@ -83,9 +56,8 @@ void OutputFile::commit() {
   flush();
   if (has_failed_ && on_disk_ == 0) return;  // an empty file would pass for a result
   // the data must be on the disk before the name is, or a crash leaves an empty file
-  if (fsync(descriptor_) != 0) fail_to_write(file_, errno);
-  if (std::rename(part_of(file_).c_str(), file_.c_str()) != 0) fail_to_write(file_, errno);
-  close(std::exchange(descriptor_, -1));
+  if (fsync(part_.descriptor()) != 0) fail_to_write(part_.file(), errno);
+  part_.rename();
 }
 
 void write_file(const fs::path& file, std::string_view text) {

@@ -7,17 +7,16 @@
 #include <string_view>
 #include <vector>
 
+#include "io/part_file.hpp"
+
 namespace stillkite {
 
-/// A file that appears under its name whole or not at all: written beside it as NAME.part, renamed
-/// by commit(), removed if that is never called. Not being able to create it is an InputError, not
+/// A file that appears under its name whole or not at all: a PartFile, renamed by commit(), removed
+/// if that is never called. Not being able to create it is an InputError, not
 /// being able to write on a std::runtime_error; both name the file and the reason.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path file);
-  OutputFile(OutputFile&& other) noexcept;
-  OutputFile& operator=(OutputFile&&) = delete;
-  ~OutputFile();
 
   /// Appends. Where the disk is full the file ends after a whole line and can still be committed.
   void write(std::string_view text);
@@ -27,8 +26,7 @@ class OutputFile {
  private:
   void flush();
 
-  std::filesystem::path file_;
-  int descriptor_ = -1;
+  PartFile part_;
   std::int64_t on_disk_ = 0;  // bytes
   bool has_failed_ = false;   // to write; what is on the disk may be kept
   std::string waiting_;

@@ -9,13 +9,13 @@ extern "C" {
 
 #include <fmt/core.h>
 
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
+
+#include "io/part_file.hpp"
 
 namespace stillkite {
 namespace {
@@ -80,8 +80,9 @@ Owned<AVFrame> neutral_frame(cv::Size size) {
 }  // namespace
 
 struct VideoWriter::State {
-  std::filesystem::path file;
-  std::filesystem::path part;
+  explicit State(const std::filesystem::path& file) : part(file) {}
+
+  PartFile part;
   cv::Size size;
   Owned<AVCodecContext> encoder;
   Owned<AVFormatContext> container;
@@ -89,20 +90,13 @@ struct VideoWriter::State {
   Owned<AVFrame> frame;
   Owned<AVPacket> packet{av_packet_alloc()};
   std::int64_t frames = 0;
-  bool committed = false;
 
-  ~State() {
-    if (committed) return;
-    container.reset();  // closes the file
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-  }
   void check(int status) const {
     if (status >= 0) return;
     throw std::runtime_error(
         fmt::format("{}: cannot be written: {}; free some space or choose another folder with "
                     "--out",
-                    file.string(), reason(status)));
+                    part.file().string(), reason(status)));
   }
   void fill(int plane, const cv::Mat& values);
   void encode(const AVFrame* picture);
@@ -110,15 +104,13 @@ struct VideoWriter::State {
 
 VideoWriter::VideoWriter(const std::filesystem::path& file, cv::Size size, double frames_per_s,
                          const EncoderConfig& config)
-    : state_(std::make_unique<State>()) {
+    : state_(std::make_unique<State>(file)) {
   if (size.width % 2 != 0 || size.height % 2 != 0 || size.empty()) {
     throw InputError(fmt::format("{}: H.264 needs an even width and height, not {}x{}",
                                  file.string(), size.width, size.height));
   }
   if (av_log_get_level() == AV_LOG_INFO) av_log_set_level(AV_LOG_QUIET);
   State& s = *state_;
-  s.file = file;
-  s.part = std::filesystem::path(file) += ".part";
   s.size = size;
   constexpr int kLargestTerm = 1'000'000;
   s.encoder = open_encoder(size, av_d2q(frames_per_s, kLargestTerm), config);
@@ -129,7 +121,8 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, cv::Size size, doubl
     throw InputError(file.string() + ": no video format has that ending; take .mp4 or .mkv");
   }
   s.container.reset(container);
-  if (const int error = avio_open(&container->pb, s.part.c_str(), AVIO_FLAG_WRITE); error < 0) {
+  if (const int error = avio_open(&container->pb, s.part.path().c_str(), AVIO_FLAG_WRITE);
+      error < 0) {
     throw InputError(fmt::format("{}: cannot be created: {}; choose another folder with --out",
                                  file.string(), reason(error)));
   }
@@ -195,8 +188,7 @@ void VideoWriter::commit() {
   s.encode(nullptr);
   s.check(av_write_trailer(s.container.get()));
   s.check(avio_closep(&s.container->pb));
-  if (std::rename(s.part.c_str(), s.file.c_str()) != 0) s.check(AVERROR(errno));
-  s.committed = true;
+  s.part.rename();
 }
 
 }  // namespace stillkite

@@ -19,7 +19,7 @@ esac
 "$stillkite" "$subcommand" "$out.source/run.yaml" --out "$out" > /dev/null 2> "$out.messages" &
 pid=$!
 tries=0
-until [ -e "$results/estimates.csv.part" ]; do
+until ls "$results"/estimates.csv.*.part > /dev/null 2>&1; do
   tries=$((tries + 1))
   [ $tries -gt 1000 ] && { echo "the run did not start"; cat "$out.messages"; exit 1; }
   sleep 0.01
