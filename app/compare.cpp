@@ -102,7 +102,7 @@ void compare(const CompareArguments& arguments) {
     protect_inputs_of_run(out / variants[i].name, arguments.config, variants[i].config);
     runs[i].write_to(out / variants[i].name, source.expected());
   }
-  tell_of_doubtful_inputs(runs.front());
+  tell_of_doubtful_inputs(runs);
 
   const auto start = std::chrono::steady_clock::now();
   const Ending ending = step_through(source, runs, "compare");
@@ -113,7 +113,7 @@ void compare(const CompareArguments& arguments) {
       .threads = arguments.threads,
       .interrupted = interrupted(),
       .complaint = ending.complaint};
-  tell_of_ending(ending, runs.front(), out);
+  tell_of_ending(ending, runs, out);
   for (const EstimatorRun& run : runs) tell_of_leaning_start(run);
   std::vector<ComparedRun> compared;
   compared.reserve(runs.size());

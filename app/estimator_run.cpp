@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
@@ -29,36 +30,36 @@ HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
           config.estimator, in_the_shadow(config.hold), inputs.initial};
 }
 
-// One line for each sensor's log, and for a truth, that says nothing of much of the flight.
-void tell_of_what_does_not_cover(const EstimatorRun& run) {
-  if (run.estimates().empty()) return;
+using Sentences = std::vector<std::string>;
+
+// One for each sensor's log, and for a truth, that says nothing of much of the flight.
+Sentences what_does_not_cover(const EstimatorRun& run) {
+  if (run.estimates().empty()) return {};
   const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
-  for (const std::string& sentence : uncovered_by_sensors(run.inputs().sensors, first, last)) {
-    fmt::print(stderr, "stillkite: {}\n", sentence);
-  }
+  Sentences found = uncovered_by_sensors(run.inputs().sensors, first, last);
   const std::vector<StampedPose>& truth = run.inputs().truth;
-  if (truth.empty()) return;
+  if (truth.empty()) return found;
   const std::int64_t judged = frames_with_truth(run.inputs(), run.estimates());
-  if (judged >= kFewestToJudge) return;
-  fmt::print(stderr,
-             "stillkite: truth: it has a pose at {} of the pictures, too few to judge by: it is "
-             "from {:.3f} s to {:.3f} s, the pictures are from {:.3f} s to "
-             "{:.3f} s: are both on one clock?\n",
-             judged, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp),
-             to_seconds(first), to_seconds(last));
+  if (judged >= kFewestToJudge) return found;
+  found.push_back(fmt::format(
+      "truth: it has a pose at {} of the pictures, too few to judge by: it is from {:.3f} s to "
+      "{:.3f} s, the pictures are from {:.3f} s to {:.3f} s: are both on one clock?",
+      judged, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
+      to_seconds(last)));
+  return found;
 }
 
-void tell_of_missing_scale(const FlightInputs& inputs) {
-  if (inputs.initial.scale != ScaleSource::none) return;
-  fmt::print(stderr,
-             "stillkite: no height is given: every metre below is one initial height over the "
-             "ground (initial.height_m sets the scale){}\n",
-             inputs.sensors.imu.stamps.empty()
-                 ? ""
-                 : "; with estimator.policy=fused a metre from where the column scale says imu");
+std::optional<std::string> missing_scale(const FlightInputs& inputs) {
+  if (inputs.initial.scale != ScaleSource::none) return std::nullopt;
+  return fmt::format(
+      "no height is given: every metre below is one initial height over the ground "
+      "(initial.height_m sets the scale){}",
+      inputs.sensors.imu.stamps.empty()
+          ? ""
+          : "; with estimator.policy=fused a metre from where the column scale says imu");
 }
 
-void tell_of_sky(const FlightInputs& inputs) {
+std::optional<std::string> sky(const FlightInputs& inputs) {
   const Camera& camera = inputs.camera;
   const Eigen::Vector3d up =
       (inputs.initial.world_from_body.rotation * inputs.body_from_camera.rotation).conjugate() *
@@ -66,14 +67,39 @@ void tell_of_sky(const FlightInputs& inputs) {
   for (const double x : {0, camera.width_px - 1}) {
     for (const double y : {0, camera.height_px - 1}) {
       const auto point = undistort(camera, {x, y});
-      if (!point || point->homogeneous().dot(up) < 0) return;
+      if (!point || point->homogeneous().dot(up) < 0) return std::nullopt;
     }
   }
-  fmt::print(stderr,
-             "stillkite: no ground is in view at the start: by mount and attitude the camera looks "
-             "{:.0f} deg above the horizon (mount.down_deg or the calibration's mount, "
-             "initial.roll_deg, initial.pitch_deg)\n",
-             std::atan2(up.z(), up.head<2>().norm()) / kDegree);
+  return fmt::format(
+      "no ground is in view at the start: by mount and attitude the camera looks {:.0f} deg above "
+      "the horizon (mount.down_deg or the calibration's mount, initial.roll_deg, "
+      "initial.pitch_deg)",
+      std::atan2(up.z(), up.head<2>().norm()) / kDegree);
+}
+
+Sentences doubtful_inputs(const EstimatorRun& run) {
+  Sentences found;
+  if (const auto sentence = missing_scale(run.inputs())) found.push_back(*sentence);
+  if (const auto sentence = sky(run.inputs())) found.push_back(*sentence);
+  if (const std::size_t left_out = run.inputs().sensors.imu_left_out; left_out > 0) {
+    found.push_back(fmt::format(
+        "imu.path: left out: {} of {} readings, zeros alone or a leap away from both neighbours",
+        left_out, left_out + run.inputs().sensors.imu.stamps.size()));
+  }
+  if (run.config().acceleration.path && run.config().estimator.mode_in_use() != Mode::paper) {
+    found.emplace_back("acceleration.path: only estimator.mode=paper uses it");
+  }
+  return found;
+}
+
+// What several estimators have in common is told once.
+void tell(std::span<const EstimatorRun> runs, Sentences (*sentences_of)(const EstimatorRun&)) {
+  std::set<std::string> told;
+  for (const EstimatorRun& run : runs) {
+    for (const std::string& sentence : sentences_of(run)) {
+      if (told.insert(sentence).second) fmt::print(stderr, "stillkite: {}\n", sentence);
+    }
+  }
 }
 
 }  // namespace
@@ -158,18 +184,8 @@ void check_row_times(const FrameSource& source, const RunConfig& config) {
       config.source.path.string()));
 }
 
-void tell_of_doubtful_inputs(const EstimatorRun& run) {
-  tell_of_missing_scale(run.inputs());
-  tell_of_sky(run.inputs());
-  if (const std::size_t left_out = run.inputs().sensors.imu_left_out; left_out > 0) {
-    fmt::print(stderr,
-               "stillkite: imu.path: left out: {} of {} readings, zeros alone or a leap away from "
-               "both neighbours\n",
-               left_out, left_out + run.inputs().sensors.imu.stamps.size());
-  }
-  if (run.config().acceleration.path && run.config().estimator.mode_in_use() != Mode::paper) {
-    fmt::print(stderr, "stillkite: acceleration.path: only estimator.mode=paper uses it\n");
-  }
+void tell_of_doubtful_inputs(std::span<const EstimatorRun> runs) {
+  tell(runs, doubtful_inputs);
 }
 
 void tell_of_leaning_start(const EstimatorRun& run) {
@@ -192,16 +208,16 @@ void tell_of_leaning_start(const EstimatorRun& run) {
       suits.roll_rad / kDegree, suits.pitch_rad / kDegree, given_by);
 }
 
-void tell_of_ending(const Ending& ending, const EstimatorRun& run,
+void tell_of_ending(const Ending& ending, std::span<const EstimatorRun> runs,
                     const std::filesystem::path& out) {
   // a failure's is told where it is caught
   if (ending.complaint && !ending.failure) {
     fmt::print(stderr, "stillkite: {}\n", *ending.complaint);
   }
-  tell_of_what_does_not_cover(run);
+  tell(runs, what_does_not_cover);
   if (ending.failure || interrupted()) {
     fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
-               run.estimates().size(), out.string());
+               runs.front().estimates().size(), out.string());
   }
 }
 

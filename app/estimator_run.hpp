@@ -73,15 +73,16 @@ struct Ending {
 void check_row_times(const FrameSource& source, const RunConfig& config);
 
 /// A line where an estimator's lengths are no metres, where the camera sees no ground at the start,
-/// where IMU readings are left out, and where a log is read that the estimator does not use.
-void tell_of_doubtful_inputs(const EstimatorRun& run);
+/// where IMU readings are left out, and where a log is read that the estimator does not use; of
+/// several estimators each line once.
+void tell_of_doubtful_inputs(std::span<const EstimatorRun> runs);
 
 /// One line where the fusion has found that the start's attitude was not as it was given.
 void tell_of_leaning_start(const EstimatorRun& run);
 
 /// A line of what was wrong, of each sensor's log, and of a truth, that says nothing of much of the
 /// flight, and of where the results of a recording lie that did not come to its end.
-void tell_of_ending(const Ending& ending, const EstimatorRun& run,
+void tell_of_ending(const Ending& ending, std::span<const EstimatorRun> runs,
                     const std::filesystem::path& out);
 
 }  // namespace stillkite

@@ -201,7 +201,9 @@ void add_hover(CLI::App& app) {
   add_results_folder(*command, arguments->out);
   command->add_option("--jobs", arguments->jobs, "Trials flown at once (default: one a core)")
       ->check(CLI::Range(1, 1024));
-  command->add_flag("--json", arguments->json, "Print summary.json on stdout and nothing else");
+  command->add_flag(
+      "--json", arguments->json,
+      "Print summary.json, with --estimators comparison.json, on stdout and nothing else");
   const auto print = std::make_shared<bool>(false);
   command->add_flag("--print", *print, "Print the configuration, every key explained, and stop");
   command->footer(

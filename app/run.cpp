@@ -36,7 +36,7 @@ void run(const RunArguments& arguments) {
   const fs::path out = results_folder(arguments.out, arguments.config);
   protect_inputs_of_run(out, arguments.config, config);
   estimator.write_to(out, source.expected());
-  tell_of_doubtful_inputs(estimator);
+  tell_of_doubtful_inputs(std::span(&estimator, 1));
 
   const Clock::time_point start = Clock::now();
   const Ending ending = step_through(source, std::span(&estimator, 1), "run");
@@ -47,7 +47,7 @@ void run(const RunArguments& arguments) {
                        .complaint = ending.complaint,
                        .commands = estimator.commands()};
   estimator.commit();
-  tell_of_ending(ending, estimator, out);
+  tell_of_ending(ending, std::span(&estimator, 1), out);
   tell_of_leaning_start(estimator);
   const nlohmann::json summary =
       write_run_results(out, config, estimator.inputs(), estimator.estimates(), facts);
