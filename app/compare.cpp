@@ -2,7 +2,9 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -23,6 +25,7 @@
 #include "io/config_printing.hpp"
 #include "io/json_text.hpp"
 #include "io/output_file.hpp"
+#include "io/part_file.hpp"
 
 namespace stillkite {
 namespace {
@@ -51,9 +54,22 @@ std::vector<EstimatorRun> make_runs(const std::vector<Variant>& variants,
   return runs;
 }
 
+// In the place of an earlier call's.
+void commit_runs(const std::filesystem::path& out, const CompareArguments& arguments,
+                 const std::vector<Variant>& variants, std::span<EstimatorRun> runs) {
+  std::vector<std::filesystem::path> inputs;
+  for (const Variant& variant : variants) {
+    std::ranges::copy(inputs_of_run(arguments.config, variant.config), std::back_inserter(inputs));
+  }
+  remove_earlier_results(out, inputs);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    remove_earlier_results(out / variants[i].name, inputs);
+    runs[i].commit();
+  }
+}
+
 ComparedRun write_run(const std::filesystem::path& folder, const Variant& variant,
-                      EstimatorRun& run, RunFacts facts) {
-  run.commit();
+                      const EstimatorRun& run, RunFacts facts) {
   const std::span<const float> frame_ms = run.frame_ms();
   facts.frame_ms = frame_ms;
   facts.wall_s = 1e-3 * std::accumulate(frame_ms.begin(), frame_ms.end(), 0.0);
@@ -105,15 +121,19 @@ void compare(const CompareArguments& arguments) {
   tell_of_doubtful_inputs(runs);
 
   const auto start = std::chrono::steady_clock::now();
-  const Ending ending = step_through(source, runs, "compare");
-  const ComparisonFacts facts{
-      .frames_read = source.read(),
-      .wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-      .decoding_s = source.decoding_s(),
-      .threads = arguments.threads,
-      .interrupted = interrupted(),
-      .complaint = ending.complaint};
+  Ending ending = step_through(source, runs, "compare");
+  const double wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const FolderLock lock(out);
+  finish_files(runs, ending);
+  const ComparisonFacts facts{.frames_read = source.read(),
+                              .wall_s = wall_s,
+                              .decoding_s = source.decoding_s(),
+                              .threads = arguments.threads,
+                              .interrupted = interrupted(),
+                              .complaint = ending.complaint};
   tell_of_ending(ending, runs, out);
+  commit_runs(out, arguments, variants, runs);
   for (const EstimatorRun& run : runs) tell_of_leaning_start(run);
   std::vector<ComparedRun> compared;
   compared.reserve(runs.size());

@@ -111,7 +111,6 @@ EstimatorRun::EstimatorRun(RunConfig config, const Frame& first)
 
 void EstimatorRun::write_to(const std::filesystem::path& folder,
                             std::optional<std::int64_t> expected_frames) {
-  folder_ = folder;
   const auto frames = static_cast<std::uintmax_t>(expected_frames.value_or(0));
   const std::uintmax_t bytes_per_frame =
       kBytesPerFrame + (config_.output.overlay ? kBytesPerDrawnFrame : 0);
@@ -140,14 +139,16 @@ void EstimatorRun::step(const Frame& frame) {
   if (files_->overlay) files_->overlay->add(frame, step.estimate, pilot_.windows());
 }
 
+void EstimatorRun::finish() {
+  files_->estimates.finish();
+  if (files_->commands) files_->commands->finish();
+  if (files_->overlay) files_->overlay->finish();
+}
+
 void EstimatorRun::commit() {
   files_->estimates.commit();
   if (files_->commands) files_->commands->commit();
   if (files_->overlay) files_->overlay->commit();
-  // an earlier run's beside this one's estimates would be taken for this one's
-  std::error_code none_there;
-  if (!files_->commands) std::filesystem::remove(folder_ / "commands.csv", none_there);
-  if (!files_->overlay) std::filesystem::remove(folder_ / "overlay.mp4", none_there);
 }
 
 const std::vector<NavigationEstimate>& EstimatorRun::estimates() const {
@@ -173,6 +174,17 @@ Ending step_through(FrameSource& source, std::span<EstimatorRun> runs, const std
     return {.failure = std::current_exception(), .complaint = error.what()};
   }
   return {.failure = nullptr, .complaint = source.complaint()};
+}
+
+void finish_files(std::span<EstimatorRun> runs, Ending& ending) {
+  for (EstimatorRun& run : runs) {
+    try {
+      run.finish();
+    } catch (const std::exception& error) {
+      if (ending.failure) continue;
+      ending = {.failure = std::current_exception(), .complaint = error.what()};
+    }
+  }
 }
 
 void check_row_times(const FrameSource& source, const RunConfig& config) {

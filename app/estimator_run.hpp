@@ -29,6 +29,10 @@ class EstimatorRun {
   /// After write_to. What step throws is a full disk, or a frame of another size.
   void step(const Frame& frame);
 
+  /// All files are on the disk, and only their names are missing. Throws as step does; what was
+  /// written before can still be committed.
+  void finish();
+
   /// The files get their names.
   void commit();
 
@@ -51,7 +55,6 @@ class EstimatorRun {
   RunConfig config_;
   FlightInputs inputs_;
   HoverPilot pilot_;
-  std::filesystem::path folder_;
   std::optional<Files> files_;
   std::optional<Timestamp> before_;
   std::optional<UprightWorld> upright_;
@@ -68,6 +71,10 @@ struct Ending {
 /// frames: who comes later finds the picture in the cache already.
 [[nodiscard]] Ending step_through(FrameSource& source, std::span<EstimatorRun> runs,
                                   const std::string& label);
+
+/// Before any of the files gets its name, and takes the place of an earlier call's, all of them are
+/// on the disk; what fails is noted in the ending.
+void finish_files(std::span<EstimatorRun> runs, Ending& ending);
 
 /// Throws InputError where rows are told their times, but are not the sensor's rows.
 void check_row_times(const FrameSource& source, const RunConfig& config);

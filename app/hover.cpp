@@ -24,6 +24,7 @@
 #include "io/config_printing.hpp"
 #include "io/json_text.hpp"
 #include "io/output_file.hpp"
+#include "io/part_file.hpp"
 #include "simulation/station_path.hpp"
 
 namespace stillkite {
@@ -102,17 +103,17 @@ FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
     fmt::print(stderr, "stillkite: {}: stopped after {} of {} trials; what was flown is in {}\n",
                label, records.size(), trials.size(), out.string());
   }
-  write_file(out / "trials.csv", trials_csv(records, policy));
-  write_file(out / "samples.csv", samples_csv(records));
-  write_file(out / "estimates.csv", hover_estimates_csv(records));
-  write_file(out / "hover.yaml", print_config(config));
-  write_file(out / "summary.json", json_text(summary) + '\n');
   const std::vector<HoverReportTrial> drawn =
       hover_report_trials(records, fleet.pictures(), policy);
-  write_hover_report(
-      out / "report.html",
-      {.title = arguments.config->string(), .trials = drawn, .config_yaml = print_config(config)},
-      summary);
+  const HoverReportContent report{
+      .title = arguments.config->string(), .trials = drawn, .config_yaml = print_config(config)};
+  const FolderLock lock(out);
+  write_files(out, {{"trials.csv", trials_csv(records, policy)},
+                    {"samples.csv", samples_csv(records)},
+                    {"estimates.csv", hover_estimates_csv(records)},
+                    {"hover.yaml", print_config(config)},
+                    {"summary.json", json_text(summary) + '\n'},
+                    {"report.html", hover_report_html(report, summary)}});
   if (failure) std::rethrow_exception(failure);
   return {.records = records, .summary = summary};
 }

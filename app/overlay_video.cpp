@@ -30,10 +30,15 @@ void OverlayVideo::add(const Frame& frame, const NavigationEstimate& estimate,
   writer_->write(picture);
 }
 
-void OverlayVideo::commit() {
+void OverlayVideo::finish() {
   if (first_.empty()) return;
   if (!writer_) open(1);
-  writer_->commit();
+  writer_->finish();
+}
+
+void OverlayVideo::commit() {
+  finish();
+  if (writer_) writer_->commit();
 }
 
 }  // namespace stillkite

@@ -18,6 +18,9 @@ class OverlayVideo {
   void add(const Frame& frame, const NavigationEstimate& estimate,
            std::span<const WindowFlow> windows);
 
+  /// The file is on the disk, and only its name is missing.
+  void finish();
+
   /// The file gets its name. A video of one frame lasts a second; without any there is none.
   void commit();
 

@@ -1,11 +1,54 @@
 #include "app/results_folder.hpp"
 
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "io/flight_inputs.hpp"
 #include "io/output_file.hpp"
+#include "io/part_file.hpp"
 
 namespace stillkite {
 
 namespace fs = std::filesystem;
+namespace {
+
+constexpr std::initializer_list<const char*> kResults{
+    "summary.json",   "report.html",  "comparison.json", "estimates.csv",
+    "trajectory.tum", "commands.csv", "overlay.mp4"};
+
+void remove_results(const fs::path& folder, const std::vector<fs::path>& inputs) {
+  for (const char* name : kResults) {
+    const fs::path file = folder / name;
+    const auto is_file = [&](const fs::path& input) {
+      std::error_code none_there;
+      return fs::equivalent(file, input, none_there);
+    };
+    std::error_code none_there;
+    if (!fs::is_directory(file, none_there) && std::ranges::none_of(inputs, is_file)) {
+      fs::remove(file, none_there);
+    }
+    remove_parts_left_of(file);
+  }
+}
+
+// The estimators of a comparison; none where the file is another.
+std::vector<std::string> compared_in(const fs::path& comparison_json) {
+  std::vector<std::string> names;
+  const auto parsed = nlohmann::json::parse(std::ifstream(comparison_json), nullptr, false);
+  if (!parsed.is_object() || !parsed.contains("estimators")) return names;
+  for (const nlohmann::json& estimator : parsed["estimators"]) {
+    // a comparison of trials has no frames
+    if (!estimator.is_object() || !estimator.contains("frames")) continue;
+    if (!estimator.contains("name") || !estimator["name"].is_string()) continue;
+    const fs::path name = estimator["name"].get<std::string>();
+    if (name != name.filename() || name.empty() || name == "." || name == "..") continue;
+    names.push_back(name.string());
+  }
+  return names;
+}
+
+}  // namespace
 
 fs::path results_folder(const fs::path& asked_for, const fs::path& config) {
   if (!asked_for.empty()) return asked_for;
@@ -14,14 +57,25 @@ fs::path results_folder(const fs::path& asked_for, const fs::path& config) {
   return fs::path("out") / (is_of_flight ? "run-" + flight.string() : config.stem().string());
 }
 
-void protect_inputs_of_run(const fs::path& folder, const fs::path& config_file,
-                           const RunConfig& config) {
+std::vector<fs::path> inputs_of_run(const fs::path& config_file, const RunConfig& config) {
   std::vector<fs::path> inputs = named_files(config);
   inputs.push_back(config_file);
-  protect_inputs(folder,
-                 {"estimates.csv", "trajectory.tum", "commands.csv", "overlay.mp4", "summary.json",
-                  "comparison.json", "report.html"},
-                 inputs);
+  return inputs;
+}
+
+void remove_earlier_results(const fs::path& folder, const std::vector<fs::path>& inputs) {
+  std::error_code none_there;
+  for (const std::string& name : compared_in(folder / "comparison.json")) {
+    if (fs::is_symlink(folder / name, none_there)) continue;
+    remove_results(folder / name, inputs);
+    fs::remove(folder / name, none_there);  // if it is empty
+  }
+  remove_results(folder, inputs);
+}
+
+void protect_inputs_of_run(const fs::path& folder, const fs::path& config_file,
+                           const RunConfig& config) {
+  protect_inputs(folder, kResults, inputs_of_run(config_file, config));
 }
 
 }  // namespace stillkite

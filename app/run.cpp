@@ -13,6 +13,7 @@
 #include "app/results_folder.hpp"
 #include "app/run_results.hpp"
 #include "io/json_text.hpp"
+#include "io/part_file.hpp"
 
 namespace stillkite {
 namespace {
@@ -39,13 +40,17 @@ void run(const RunArguments& arguments) {
   tell_of_doubtful_inputs(std::span(&estimator, 1));
 
   const Clock::time_point start = Clock::now();
-  const Ending ending = step_through(source, std::span(&estimator, 1), "run");
+  Ending ending = step_through(source, std::span(&estimator, 1), "run");
+  const double wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  const FolderLock lock(out);
+  finish_files(std::span(&estimator, 1), ending);
   const RunFacts facts{.frames_read = source.read(),
                        .frame_ms = estimator.frame_ms(),
-                       .wall_s = std::chrono::duration<double>(Clock::now() - start).count(),
+                       .wall_s = wall_s,
                        .interrupted = interrupted(),
                        .complaint = ending.complaint,
                        .commands = estimator.commands()};
+  remove_earlier_results(out, inputs_of_run(arguments.config, config));
   estimator.commit();
   tell_of_ending(ending, std::span(&estimator, 1), out);
   tell_of_leaning_start(estimator);

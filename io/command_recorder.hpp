@@ -24,6 +24,7 @@ class CommandRecorder {
   /// Throws std::runtime_error if the disk is full; what was written before can still be committed.
   void add(Timestamp stamp, const HoldDecision& decision);
 
+  void finish() { table_.finish(); }
   /// The file gets its name.
   void commit() { table_.commit(); }
 

@@ -28,6 +28,7 @@ OutputFile::OutputFile(fs::path file) : part_(std::move(file)) {}
 void OutputFile::write(std::string_view text) {
   constexpr std::size_t kBlock = 1 << 14;
   waiting_ += text;
+  is_finished_ = false;
   if (waiting_.size() >= kBlock) flush();
 }
 
@@ -52,11 +53,17 @@ void OutputFile::flush() {
   on_disk_ += static_cast<std::int64_t>(block.size());
 }
 
-void OutputFile::commit() {
+void OutputFile::finish() {
+  if (is_finished_) return;
   flush();
-  if (has_failed_ && on_disk_ == 0) return;  // an empty file would pass for a result
   // the data must be on the disk before the name is, or a crash leaves an empty file
   if (fsync(part_.descriptor()) != 0) fail_to_write(part_.file(), errno);
+  is_finished_ = true;
+}
+
+void OutputFile::commit() {
+  finish();
+  if (has_failed_ && on_disk_ == 0) return;  // an empty file would pass for a result
   part_.rename();
 }
 
@@ -64,6 +71,17 @@ void write_file(const fs::path& file, std::string_view text) {
   OutputFile out(file);
   out.write(text);
   out.commit();
+}
+
+void write_files(const fs::path& folder,
+                 std::initializer_list<std::pair<const char*, std::string>> texts) {
+  std::vector<OutputFile> files;
+  files.reserve(texts.size());
+  for (const auto& [name, text] : texts) {
+    files.emplace_back(folder / name).write(text);
+    files.back().finish();
+  }
+  for (OutputFile& file : files) file.commit();
 }
 
 void protect_inputs(const fs::path& folder, std::initializer_list<const char*> names,

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/part_file.hpp"
@@ -20,6 +21,8 @@ class OutputFile {
 
   /// Appends. Where the disk is full the file ends after a whole line and can still be committed.
   void write(std::string_view text);
+  /// All of it is on the disk, and only the name is missing.
+  void finish();
   /// Of a file that the disk had no line's room for nothing is left.
   void commit();
 
@@ -29,11 +32,16 @@ class OutputFile {
   PartFile part_;
   std::int64_t on_disk_ = 0;  // bytes
   bool has_failed_ = false;   // to write; what is on the disk may be kept
+  bool is_finished_ = false;
   std::string waiting_;
 };
 
 /// The text under that name, whole or not at all.
 void write_file(const std::filesystem::path& file, std::string_view text);
+
+/// The texts under their names: all are on the disk before the first gets its name.
+void write_files(const std::filesystem::path& folder,
+                 std::initializer_list<std::pair<const char*, std::string>> texts);
 
 /// Throws InputError where one of the `inputs` is the file of that name, which is to be written.
 void protect_inputs(const std::filesystem::path& folder, std::initializer_list<const char*> names,

@@ -17,6 +17,11 @@ void RunRecorder::add(const NavigationEstimate& estimate) {
   trajectory_.write(tum_line({estimate.stamp, estimate.world_from_body}));
 }
 
+void RunRecorder::finish() {
+  table_.finish();
+  trajectory_.finish();
+}
+
 void RunRecorder::commit() {
   table_.commit();
   trajectory_.commit();

@@ -18,6 +18,8 @@ class RunRecorder {
   /// Throws std::runtime_error if the disk is full; what was written before can still be committed.
   void add(const NavigationEstimate& estimate);
 
+  /// Both files are on the disk, and only their names are missing.
+  void finish();
   /// Both files get their names.
   void commit();
 

@@ -90,6 +90,7 @@ struct VideoWriter::State {
   Owned<AVFrame> frame;
   Owned<AVPacket> packet{av_packet_alloc()};
   std::int64_t frames = 0;
+  bool finished = false;
 
   void check(int status) const {
     if (status >= 0) return;
@@ -183,12 +184,18 @@ void VideoWriter::write(const cv::Mat& picture) {
   s.encode(s.frame.get());
 }
 
-void VideoWriter::commit() {
+void VideoWriter::finish() {
   State& s = *state_;
+  if (s.finished) return;
   s.encode(nullptr);
   s.check(av_write_trailer(s.container.get()));
   s.check(avio_closep(&s.container->pb));
-  s.part.rename();
+  s.finished = true;
+}
+
+void VideoWriter::commit() {
+  finish();
+  state_->part.rename();
 }
 
 }  // namespace stillkite

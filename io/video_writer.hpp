@@ -50,6 +50,8 @@ class VideoWriter {
   /// CV_8UC1, grey, or CV_8UC3, BGR, of the writer's size. Throws std::runtime_error if it cannot
   /// be written.
   void write(const cv::Mat& picture);
+  /// All of it is on the disk, and only the name is missing.
+  void finish();
   void commit();
 
  private:

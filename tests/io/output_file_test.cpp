@@ -60,6 +60,17 @@ TEST(OutputFile, AFullDiskIsSaid) {
   EXPECT_EQ(read_text_file(folder.path() / "a.txt"), "a line\n");
 }
 
+// The second file is one that cannot be made.
+TEST(OutputFile, FilesThatBelongTogetherAppearTogether) {
+  const TemporaryFolder folder;
+  folder.write("a.txt", "old");
+  EXPECT_THROW(write_files(folder.path(), {{"a.txt", "new"}, {"none/b.txt", "new"}}), InputError);
+  EXPECT_EQ(read_text_file(folder.path() / "a.txt"), "old");
+  write_files(folder.path(), {{"a.txt", "new"}, {"b.txt", "new"}});
+  EXPECT_EQ(read_text_file(folder.path() / "a.txt"), "new");
+  EXPECT_EQ(read_text_file(folder.path() / "b.txt"), "new");
+}
+
 TEST(OutputFile, TwoWritersOfOneNameDoNotMix) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "a.txt";
