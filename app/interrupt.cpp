@@ -1,23 +1,24 @@
 #include "app/interrupt.hpp"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace stillkite {
 namespace {
 
 volatile std::sig_atomic_t flag = 0;
 
-extern "C" void raise_flag(int signal) {
+extern "C" void raise_flag(int /*signal*/) {
   flag = 1;
-  std::signal(signal, SIG_DFL);
 }
 
 }  // namespace
 
 void catch_interrupts() {
-  std::signal(SIGINT, raise_flag);
-  std::signal(SIGTERM, raise_flag);
-  std::signal(SIGHUP, raise_flag);
+  struct sigaction action {};
+  action.sa_handler = raise_flag;
+  action.sa_flags = SA_RESETHAND;  // without SA_RESTART, so that it ends an open that waits
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
 bool interrupted() {

@@ -62,6 +62,8 @@ ExitCode exit_code_of(int argc, char** argv) {
   try {
     return run_command_line(argc, argv);
   } catch (const stillkite::InputError& error) {
+    // what was being opened when the signal came
+    if (stillkite::interrupted()) return fail(ExitCode::interrupted, "interrupted");
     return fail(ExitCode::wrong_input, error.what());
   } catch (const stillkite::Interrupted&) {
     return ExitCode::interrupted;

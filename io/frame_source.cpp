@@ -14,6 +14,7 @@
 #include "io/euroc_dataset.hpp"
 #include "io/image_sequence.hpp"
 #include "io/picture_pool.hpp"
+#include "io/text_file.hpp"
 #include "io/video_reader.hpp"
 
 namespace stillkite {
@@ -48,6 +49,9 @@ Reader open_reader(const SourceConfig& config) {
   }
   if (!fs::exists(path)) {
     throw InputError(path.string() + ": no such file or folder; check source.path");
+  }
+  if (is_special_file(path)) {
+    throw InputError(path.string() + ": is a pipe or a device, a file or a folder is needed");
   }
   if (!fs::is_directory(path)) {
     if (fs::is_regular_file(path) && fs::file_size(path) == 0) {

@@ -19,6 +19,7 @@ std::string read_text_file(const fs::path& file) {
   const fs::file_status status = fs::status(file, failure);
   if (!fs::exists(status)) throw InputError(name + ": no such file; check the path");
   if (fs::is_directory(status)) throw InputError(name + ": is a folder, a file is needed");
+  if (is_special_file(file)) throw InputError(name + ": is a pipe or a device, a file is needed");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InputError(fmt::format("{}: cannot be read: {}", name, std::strerror(errno)));
   std::string text;
@@ -29,6 +30,13 @@ std::string read_text_file(const fs::path& file) {
   }
   if (text.empty()) throw InputError(name + ": the file is empty");
   return text;
+}
+
+bool is_special_file(const fs::path& file) {
+  std::error_code failure;
+  const fs::file_status status = fs::status(file, failure);
+  if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status)) return false;
+  return !file.string().starts_with("/dev/fd/") && file != "/dev/stdin";
 }
 
 std::string expand_environment(const std::string& text, const std::string& where) {

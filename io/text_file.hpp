@@ -9,6 +9,10 @@ namespace stillkite {
 /// any text that this program reads.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
 
+/// Neither a file nor a folder: a pipe, a socket, a device, which may keep who opens it waiting.
+/// What a shell hands over (/dev/stdin, /dev/fd/63) is none of these.
+[[nodiscard]] bool is_special_file(const std::filesystem::path& file);
+
 /// Replaces ${NAME} by the environment variable's value. Throws InputError beginning with `where`
 /// for a variable that is not set and for a brace that is not closed.
 [[nodiscard]] std::string expand_environment(const std::string& text, const std::string& where);

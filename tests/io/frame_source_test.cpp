@@ -1,6 +1,7 @@
 #include "io/frame_source.hpp"
 
 #include <fmt/core.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -147,6 +148,9 @@ TEST(FrameSource, MessagesNameTheFileAndTheRemedy) {
   fs::create_directories(folder.path() / "bare");
   EXPECT_NE(error(folder.path() / "bare").find("holds no picture"), std::string::npos);
   EXPECT_NE(error({}).find("source.path is not given"), std::string::npos);
+  ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(error(folder.path() / "pipe"),
+            "pipe: is a pipe or a device, a file or a folder is needed");
 }
 
 TEST(FrameSource, AFolderOfPicturesIsReadInTheOrderOfItsNumbers) {

@@ -1,5 +1,7 @@
 #include "io/table_reader.hpp"
 
+#include <sys/stat.h>
+
 #include "temporary_folder.hpp"
 
 namespace stillkite {
@@ -75,6 +77,9 @@ TEST(TableReader, MessagesNameFileLineAndRemedy) {
   EXPECT_EQ(error(""), "a.csv: the file is empty");
   EXPECT_EQ(input_error_of(folder, [&] { (void)read(folder.path() / "none.csv"); }),
             "none.csv: no such file; check the path");
+  ASSERT_EQ(mkfifo((folder.path() / "pipe.csv").c_str(), 0600), 0);
+  EXPECT_EQ(input_error_of(folder, [&] { (void)read(folder.path() / "pipe.csv"); }),
+            "pipe.csv: is a pipe or a device, a file is needed");
 }
 
 }  // namespace
