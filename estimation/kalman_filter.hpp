@@ -55,12 +55,13 @@ struct KalmanFilterConfig {
   static void fields(auto& self, auto&& field) {
     field("variance", self.variance,
           "whose variance a measurement gets: the fixed ones below, its own");
-    field("velocity_sigma_m_s", self.velocity_sigma_m_s, kPositive, "of a measurement, an axis");
-    field("angular_rate_sigma_rad_s", self.angular_rate_sigma_rad_s, kPositive,
+    field("velocity_sigma_m_s", self.velocity_sigma_m_s, Range{1e-9, 1e9},
           "of a measurement, an axis");
-    field("velocity_process_sigma_m_s", self.velocity_process_sigma_m_s, kNotNegative,
+    field("angular_rate_sigma_rad_s", self.angular_rate_sigma_rad_s, Range{1e-9, 1e9},
+          "of a measurement, an axis");
+    field("velocity_process_sigma_m_s", self.velocity_process_sigma_m_s, Range{0, 1e9},
           "change of velocity in one step, an axis");
-    field("angular_rate_process_sigma_rad_s", self.angular_rate_process_sigma_rad_s, kNotNegative,
+    field("angular_rate_process_sigma_rad_s", self.angular_rate_process_sigma_rad_s, Range{0, 1e9},
           "change of angular rate in one step, an axis");
   }
 };

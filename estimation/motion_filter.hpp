@@ -13,9 +13,9 @@ struct MotionFilterConfig {
   double angular_acceleration_density = 0.3;
 
   static void fields(auto& self, auto&& field) {
-    field("acceleration_density", self.acceleration_density, kPositive,
+    field("acceleration_density", self.acceleration_density, Range{1e-9, 1e9},
           "white acceleration of the drone, m/s^2/sqrt(Hz)");
-    field("angular_acceleration_density", self.angular_acceleration_density, kPositive,
+    field("angular_acceleration_density", self.angular_acceleration_density, Range{1e-9, 1e9},
           "white angular acceleration of the drone, rad/s^2/sqrt(Hz)");
   }
 };

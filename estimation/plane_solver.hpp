@@ -25,7 +25,7 @@ struct PlaneSolverConfig {
 
   static void fields(auto& self, auto&& field) {
     field("robust", self.robust, "weigh down windows that do not follow the one motion");
-    field("outlier_sigma", self.outlier_sigma, kPositive,
+    field("outlier_sigma", self.outlier_sigma, Range{1e-9, 1e9},
           "residual, in standard deviations, at which a window loses three quarters of its weight");
     field("reweightings", self.reweightings, Range{0, 20},
           "weighted solutions after the plain one, every Lucas-Kanade step");

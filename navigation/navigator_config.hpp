@@ -105,11 +105,11 @@ struct SensorConfig {
   double start_height_sigma_ratio = 0.05;
 
   static void fields(auto& self, auto&& field) {
-    field("gyro_sigma_rad_s", self.gyro_sigma_rad_s, kPositive,
+    field("gyro_sigma_rad_s", self.gyro_sigma_rad_s, Range{1e-9, 1e9},
           "of a mean angular rate, bias included");
-    field("height_sigma_m", self.height_sigma_m, kPositive, "of a height");
-    field("attitude_sigma_rad", self.attitude_sigma_rad, kPositive, "of a roll or pitch");
-    field("start_height_sigma_ratio", self.start_height_sigma_ratio, kPositive,
+    field("height_sigma_m", self.height_sigma_m, Range{1e-9, 1e9}, "of a height");
+    field("attitude_sigma_rad", self.attitude_sigma_rad, Range{1e-9, 1e9}, "of a roll or pitch");
+    field("start_height_sigma_ratio", self.start_height_sigma_ratio, Range{1e-9, 1e9},
           "of the height at the start, once a sensor measures it too");
   }
 };

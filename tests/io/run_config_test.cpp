@@ -88,5 +88,24 @@ TEST(RunConfig, TheShadowControllerRunsBesideTheReferenceOrWhereItIsToldTo) {
   EXPECT_FALSE(has_shadow({"estimator.policy=reference", "shadow.enabled=false"}));
 }
 
+// Squares of these numbers, and their inverses, made every figure of a run none.
+TEST(RunConfig, SigmasThatNoFilterCanReckonWithAreOutOfRange) {
+  for (const char* key :
+       {"navigator.filter.acceleration_density", "navigator.filter.angular_acceleration_density",
+        "navigator.alignment.solver.outlier_sigma", "navigator.paper.filter.velocity_sigma_m_s",
+        "navigator.sensors.height_sigma_m", "navigator.sensors.start_height_sigma_ratio",
+        "fusion.gyro_density", "fusion.scale_sigma_ratio"}) {
+    for (const char* value : {"=1e300", "=1e-300"}) {
+      EXPECT_THROW((void)load_run_config(std::nullopt, {key + std::string(value)}), InputError)
+          << key << value;
+    }
+  }
+  for (const char* key :
+       {"fusion.gyro_bias_walk", "navigator.paper.filter.velocity_process_sigma_m_s"}) {
+    EXPECT_THROW((void)load_run_config(std::nullopt, {key + std::string("=1e300")}), InputError);
+    EXPECT_NO_THROW((void)load_run_config(std::nullopt, {key + std::string("=0")}));
+  }
+}
+
 }  // namespace
 }  // namespace stillkite
