@@ -134,7 +134,7 @@ void compare(const CompareArguments& arguments) {
                               .complaint = ending.complaint};
   tell_of_ending(ending, runs, out);
   commit_runs(out, arguments, variants, runs);
-  for (const EstimatorRun& run : runs) tell_of_leaning_start(run);
+  for (const EstimatorRun& run : runs) tell_of_contradictions(run);
   std::vector<ComparedRun> compared;
   compared.reserve(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "app/run_evaluation.hpp"
 #include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
+#include "io/gyro_check.hpp"
 #include "io/output_file.hpp"
 #include "io/sensor_checks.hpp"
 
@@ -100,6 +101,42 @@ void tell(std::span<const EstimatorRun> runs, Sentences (*sentences_of)(const Es
       if (told.insert(sentence).second) fmt::print(stderr, "stillkite: {}\n", sentence);
     }
   }
+}
+
+// Between neighbours that the reference estimator has both seen.
+std::vector<SeenTurn> seen_turns(const EstimatorRun& run) {
+  std::vector<SeenTurn> out;
+  std::optional<Timestamp> before;
+  for (const NavigationEstimate& estimate : run.estimates()) {
+    if (before && estimate.reference && estimate.reference->seen_rate_in_camera_rad_s) {
+      out.push_back({*before, estimate.stamp,
+                     seconds_between(*before, estimate.stamp) *
+                         (run.inputs().body_from_camera.rotation *
+                          *estimate.reference->seen_rate_in_camera_rad_s)});
+    }
+    before = estimate.stamp;
+  }
+  return out;
+}
+
+void tell_of_leaning_start(const EstimatorRun& run) {
+  if (!run.upright()) return;
+  constexpr double kWorthTelling_rad = 2 * kDegree;
+  const Eigen::Quaterniond& turn = run.upright()->upright_from_world.rotation;
+  const double leans_rad = so3_log(turn).norm();
+  if (leans_rad < std::max(kWorthTelling_rad, 3 * run.upright()->sigma_rad)) return;
+  const EulerAngles suits = to_euler(turn * run.inputs().initial.world_from_body.rotation);
+  const bool is_by_truth = run.config().initial.from_truth;
+  const char* given_by = is_by_truth                  ? "the truth's first pose gives it"
+                         : run.config().attitude.path ? "attitude.path gives it"
+                                                      : "initial.roll_deg, initial.pitch_deg";
+  fmt::print(
+      stderr,
+      "stillkite: the start's attitude is {:.1f} deg off the vertical that the flight shows; "
+      "{} tells its poses {}; roll {:.1f} and pitch {:.1f} deg would suit ({})\n",
+      leans_rad / kDegree, name_of(run.config().estimator.policy),
+      is_by_truth ? "in the truth's world all the same" : "by that vertical",
+      suits.roll_rad / kDegree, suits.pitch_rad / kDegree, given_by);
 }
 
 }  // namespace
@@ -200,24 +237,14 @@ void tell_of_doubtful_inputs(std::span<const EstimatorRun> runs) {
   tell(runs, doubtful_inputs);
 }
 
-void tell_of_leaning_start(const EstimatorRun& run) {
-  if (!run.upright()) return;
-  constexpr double kWorthTelling_rad = 2 * kDegree;
-  const Eigen::Quaterniond& turn = run.upright()->upright_from_world.rotation;
-  const double leans_rad = so3_log(turn).norm();
-  if (leans_rad < std::max(kWorthTelling_rad, 3 * run.upright()->sigma_rad)) return;
-  const EulerAngles suits = to_euler(turn * run.inputs().initial.world_from_body.rotation);
-  const bool is_by_truth = run.config().initial.from_truth;
-  const char* given_by = is_by_truth                  ? "the truth's first pose gives it"
-                         : run.config().attitude.path ? "attitude.path gives it"
-                                                      : "initial.roll_deg, initial.pitch_deg";
-  fmt::print(
-      stderr,
-      "stillkite: the start's attitude is {:.1f} deg off the vertical that the flight shows; "
-      "{} tells its poses {}; roll {:.1f} and pitch {:.1f} deg would suit ({})\n",
-      leans_rad / kDegree, name_of(run.config().estimator.policy),
-      is_by_truth ? "in the truth's world all the same" : "by that vertical",
-      suits.roll_rad / kDegree, suits.pitch_rad / kDegree, given_by);
+void tell_of_contradictions(const EstimatorRun& run) {
+  if (const auto doubt =
+          doubt_of_gyro(run.inputs().sensors.angular_rate_in_body_rad_s, seen_turns(run))) {
+    fmt::print(stderr, "stillkite: {}: {}\n", run.config().imu.path ? "imu.path" : "gyro.path",
+               *doubt);
+    return;
+  }
+  tell_of_leaning_start(run);
 }
 
 void tell_of_ending(const Ending& ending, std::span<const EstimatorRun> runs,

@@ -84,8 +84,9 @@ void check_row_times(const FrameSource& source, const RunConfig& config);
 /// several estimators each line once.
 void tell_of_doubtful_inputs(std::span<const EstimatorRun> runs);
 
-/// One line where the fusion has found that the start's attitude was not as it was given.
-void tell_of_leaning_start(const EstimatorRun& run);
+/// One line where the pictures contradict the gyroscope, or else where the flight has shown that
+/// the start's attitude was not as it was given.
+void tell_of_contradictions(const EstimatorRun& run);
 
 /// A line of what was wrong, of each sensor's log, and of a truth, that says nothing of much of the
 /// flight, and of where the results of a recording lie that did not come to its end.

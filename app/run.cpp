@@ -53,7 +53,7 @@ void run(const RunArguments& arguments) {
   remove_earlier_results(out, inputs_of_run(arguments.config, config));
   estimator.commit();
   tell_of_ending(ending, std::span(&estimator, 1), out);
-  tell_of_leaning_start(estimator);
+  tell_of_contradictions(estimator);
   const nlohmann::json summary =
       write_run_results(out, config, estimator.inputs(), estimator.estimates(), facts);
   if (ending.failure) std::rethrow_exception(ending.failure);

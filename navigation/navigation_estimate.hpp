@@ -46,6 +46,8 @@ struct ReferenceReport {
   int features = 0;        ///< of the reference, found again
   int inliers = 0;         ///< of them, those that the model explains
   double residual_px = 0;  ///< robust standard deviation of the inliers from it
+  /// Mean since the frame before, by the pictures alone.
+  std::optional<Eigen::Vector3d> seen_rate_in_camera_rad_s;
 };
 
 /// What is upright where the world is that of the first frame, whose pose stays as it was given.

@@ -1,0 +1,21 @@
+#!/bin/sh
+# A gyroscope that tells degrees a second: the run says so. The same in radians is not doubted.
+# usage: gyro_in_degrees_test.sh STILLKITE SIMULATION OUT
+stillkite=$1 simulation=$2 out=$3
+rm -rf "$out"
+"$stillkite" simulate "$simulation" --set flight.duration_s=3 --set flight.yaw_sway_deg=6 \
+  --set camera.width_px=480 --set camera.height_px=270 --set camera.focal_x_px=300 \
+  --set camera.focal_y_px=300 --set camera.centre_x_px=239.5 --set camera.centre_y_px=134.5 \
+  --out "$out/flight" > /dev/null || exit 1
+imu=$out/flight/imu0/data.csv
+awk -F, -v OFS=, 'NR > 1 { for (i = 2; i <= 4; ++i) $i *= 180 / 3.14159265 } 1' "$imu" > "$out/degrees.csv"
+for log in "$imu" "$out/degrees.csv"; do
+  "$stillkite" run "$out/flight/run.yaml" --set estimator.policy=fused --set imu.path="$log" \
+    --out "$out/run" 2> "$out/messages" > /dev/null || exit 1
+  cat "$out/messages"
+  grep -q "taken for deg/s" "$out/messages"
+  told=$?
+  [ "$log" = "$imu" ] && [ $told -eq 0 ] && { echo "radians are doubted"; exit 1; }
+  [ "$log" != "$imu" ] && [ $told -ne 0 ] && { echo "degrees are not"; exit 1; }
+done
+exit 0
