@@ -149,6 +149,7 @@ void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
       config_.sensors, now);
   camera_ = corrected.pose;
   keyframe_.refused_heights = corrected.refused_heights;
+  keyframe_.refused_m = corrected.refused_m;
   if (corrected.scale == keyframe_.scale) keyframe_.scale_stamp = corrected.scale_stamp;
 }
 

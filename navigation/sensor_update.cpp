@@ -59,11 +59,11 @@ ScaledPose with_measured_height(const ScaledPose& before, const CameraReadings& 
   }
   const double off_m = *readings.height_m - known_m;
   if (is_far_off(off_m, variance_m2 + square(config.height_sigma_m), known_m)) {
-    if (before.refused_heights + 1 < kBelievedInARow) {
-      ScaledPose refused = before;
-      ++refused.refused_heights;
-      return refused;
-    }
+    ScaledPose refused = before;
+    refused.refused_m = readings.told_m;
+    const bool is_new = before.refused_heights == 0 || readings.told_m != before.refused_m;
+    if (is_new) ++refused.refused_heights;
+    if (refused.refused_heights < kBelievedInARow) return refused;
     variance_m2 += square(off_m);
   }
   out.pose = with_height(out.pose, *readings.height_m, config.height_sigma_m);
@@ -87,6 +87,7 @@ CameraReadings of_camera(const SensorReadings& readings, const RigidTransform& b
                          const Eigen::Quaterniond& world_from_camera) {
   CameraReadings out{.height_source = readings.height_source};
   if (readings.height_m) {
+    out.told_m = *readings.height_m;
     const Eigen::Vector3d body_in_camera = body_from_camera.inverse().translation;
     const Eigen::Quaterniond world_from_body =
         world_from_camera * body_from_camera.rotation.conjugate();

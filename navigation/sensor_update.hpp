@@ -15,11 +15,13 @@ struct ScaledPose {
   ScaleSource scale = ScaleSource::none;
   Timestamp scale_stamp;
   int refused_heights = 0;  ///< in a row
+  double refused_m = 0;     ///< the last of them, as it was told
 };
 
 /// What other sensors say of the camera itself.
 struct CameraReadings {
   std::optional<double> height_m;  ///< over the ground
+  double told_m = 0;               ///< the reading that it comes from
   ScaleSource height_source = ScaleSource::range;
   std::optional<Eigen::Quaterniond> attitude;  ///< world_from_camera
 };
@@ -32,7 +34,7 @@ struct CameraReadings {
 /// Kalman update of a pose by height and attitude, of which roll and pitch count: the yaw of an
 /// inertial sensor drifts as ours does. The first height in a flight without scale sets it: the
 /// world is stretched. A height that is far from what is known is left out, unless five in a row
-/// are.
+/// are that change: a range finder that sees nothing tells its longest range again and again.
 [[nodiscard]] ScaledPose with_readings(const ScaledPose& before, const CameraReadings& readings,
                                        const SensorConfig& config, Timestamp now);
 

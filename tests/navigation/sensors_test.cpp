@@ -76,6 +76,18 @@ TEST_P(Sensors, BelievesHeightsThatAreFarOffOnceFiveInARowAre) {
   }
 }
 
+// A range finder that sees nothing for long.
+TEST_P(Sensors, DoesNotBelieveAHeightThatIsToldAgainAndAgain) {
+  const auto& flight = rendered_flight();
+  Navigator estimator = navigator(flight.start());
+  for (std::size_t i = 0; i < 40; ++i) {
+    SensorReadings readings;
+    readings.height_m = i < 10 ? flight.truth(i).translation.z() : 60;
+    const NavigationEstimate e = estimator.step(flight.frames[i], readings);
+    EXPECT_NEAR(e.world_from_body.translation.z(), flight.truth(i).translation.z(), 0.3) << i;
+  }
+}
+
 TEST(SensorReading, RangeIsAlongTheBody) {
   const Eigen::Quaterniond rolled = so3_exp({std::acos(0.5), 0, 0});
   EXPECT_NEAR(height_of_body_m(10, ScaleSource::range, rolled), 5, 1e-12);
