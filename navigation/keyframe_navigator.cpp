@@ -250,6 +250,7 @@ Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {
 // Before the next alignment: where the keyframe's windows are in the frame before.
 void KeyframeNavigator::remember_windows(const FrameInterval& interval) {
   has_windows_ = !interval.spoiled;
+  if (interval.spoiled) return;
   const TileGrid& grid = aligner_.grid();
   if (keyframe_is_previous_) {
     previous_x_px_ = grid.centre_x_px;

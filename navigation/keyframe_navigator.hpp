@@ -71,7 +71,7 @@ class KeyframeNavigator {
   int windows_at_keyframe_ = 0;
   int aligned_ = 0;                                   // frames since the speed was unknown
   int failures_ = 0;                                  // frames in a row that did not align
-  std::vector<float> previous_x_px_, previous_y_px_;  // the windows in the frame before
+  std::vector<float> previous_x_px_, previous_y_px_;  // the windows, before the last alignment
   bool keyframe_is_previous_ = false;
   bool has_windows_ = false;
 };

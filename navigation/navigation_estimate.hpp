@@ -75,7 +75,9 @@ struct NavigationEstimate {
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)
   std::optional<Twist> measured_twist;           ///< this frame's least squares, before the filter
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
-  double picture_speed_px_s = 0;  ///< of the ground, since the frame before; 0: not measured
+  /// Of the ground, since the last picture that was not frozen but over the last interval; 0: not
+  /// measured.
+  double picture_speed_px_s = 0;
 
   ScaleSource scale = ScaleSource::none;
   double scale_age_s = 0;  ///< since the last reading of that source

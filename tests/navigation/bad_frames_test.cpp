@@ -181,6 +181,25 @@ TEST_P(BadTimes, PictureOfAnotherSizeIsAnInputError) {
 INSTANTIATE_TEST_SUITE_P(Navigator, BadTimes, testing::Values(Mode::paper, Mode::recommended),
                          [](const auto& mode) { return std::string(name_of(mode.param)); });
 
+// What the next one must move by at least a fifth of, also right after a new keyframe.
+TEST(BadFrame, PictureSpeedAfterFrozenPicturesIsThatOfAllTheirWay) {
+  const auto& flight = rendered_flight();
+  bool has_renewed = false;
+  for (std::size_t first = 12; first < 36; ++first) {
+    Navigator navigator = flight.navigator();
+    NavigationEstimate before, after;
+    for (std::size_t i = 0; i <= first + 2; ++i) {
+      Frame frame = flight.frames[i];
+      if (i >= first && i < first + 2) frame.grey = flight.frames[first - 1].grey;
+      after = navigator.step(frame);
+      if (i + 1 == first) before = after;
+    }
+    has_renewed = has_renewed || before.new_keyframe;
+    EXPECT_NEAR(after.picture_speed_px_s / before.picture_speed_px_s, 3, 0.5) << first;
+  }
+  EXPECT_TRUE(has_renewed);
+}
+
 // A recording that has lost pictures, and whose stamps do not tell: the camera leaps by 2.4 m.
 TEST(BadFrame, LeapIsNoSpeed) {
   const auto& flight = rendered_flight();
