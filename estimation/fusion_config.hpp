@@ -61,8 +61,10 @@ struct FusionConfig {
     field("stray_correlated_frames", self.stray_correlated_frames, Range{0, 1e9},
           "frames over which it is off alike; the variance of its views grows by that many times "
           "what exceeds the ratio");
-    field("gate_sigma", self.gate_sigma, Range{1e-9, 1e9},
-          "a measurement further than that from its prediction is left out");
+    field(
+        "gate_sigma", self.gate_sigma, Range{1e-9, 1e9},
+        "a measurement further than that from its prediction, root mean square of its components, "
+        "is left out");
     field("flat_ground", self.flat_ground,
           "what is seen is known to be flat and level; else the features must show it before the "
           "flow is believed");

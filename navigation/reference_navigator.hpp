@@ -42,7 +42,8 @@ class ReferenceNavigator {
   /// where its pose is not to be trusted.
   [[nodiscard]] std::optional<double> unit_variance() const { return unit_variance_; }
 
-  /// The features of the last frame that its pose explains.
+  /// The features of the last frame that were found, of weight 0 where its pose does not explain
+  /// them.
   [[nodiscard]] const std::vector<WindowFlow>& windows() const { return windows_; }
 
  private:

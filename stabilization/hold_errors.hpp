@@ -10,7 +10,7 @@
 
 namespace stillkite {
 
-/// Why no command may follow from this input, or `none`. The order is that of HoldReason.
+/// Why no command may follow from this input, or `none`; the first that holds.
 [[nodiscard]] HoldReason reason_to_hold(const HoldConfig& config, const HoldInput& input);
 
 /// From the camera to where it should be, in the station's frame, of the length that the estimate
