@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Three pictures, in which no two places are alike.
-fs::path write_video(const fs::path& file) {
+fs::path write_noise(const fs::path& file) {
   VideoWriter writer(file, {160, 96}, 25, {.crf = 0});
   cv::Mat picture(96, 160, CV_8UC1);
   for (int i = 0; i < 3; ++i) {
@@ -23,7 +23,7 @@ fs::path write_video(const fs::path& file) {
   return file;
 }
 
-std::vector<Frame> read_all(FrameSource& source) {
+std::vector<Frame> pictures_of(FrameSource& source) {
   std::vector<Frame> frames;
   while (std::optional<Frame> frame = source.next()) frames.push_back(*frame);
   return frames;
@@ -59,14 +59,14 @@ cv::Mat shown_by(const cv::Mat& coded, std::array<int, 4> abcd) {
 
 TEST(VideoTurn, IsMadeAsTheMarkSays) {
   const TemporaryFolder folder;
-  const fs::path video = write_video(folder.path() / "a.mp4");
+  const fs::path video = write_noise(folder.path() / "a.mp4");
   FrameSource unmarked({.path = video});
-  const std::vector<Frame> coded = read_all(unmarked);
+  const std::vector<Frame> coded = pictures_of(unmarked);
   for (const std::array<int, 4> abcd : {std::array{1, 0, 0, 1}, std::array{0, 1, -1, 0},
                                         std::array{-1, 0, 0, -1}, std::array{0, -1, 1, 0}}) {
     FrameSource source({.path = with_matrix(video, abcd)});
     EXPECT_EQ(source.is_turned(), abcd[0] != 1);
-    const std::vector<Frame> frames = read_all(source);
+    const std::vector<Frame> frames = pictures_of(source);
     ASSERT_EQ(frames.size(), coded.size());
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const cv::Mat shown = shown_by(coded[i].grey, abcd);
@@ -78,7 +78,7 @@ TEST(VideoTurn, IsMadeAsTheMarkSays) {
 
 TEST(VideoTurn, OfAnotherKindIsRefused) {
   const TemporaryFolder folder;
-  const fs::path video = write_video(folder.path() / "a.mp4");
+  const fs::path video = write_noise(folder.path() / "a.mp4");
   const auto error = [&](std::array<int, 4> abcd) {
     return input_error_of(folder, [&] { FrameSource({.path = with_matrix(video, abcd)}); });
   };
@@ -87,7 +87,7 @@ TEST(VideoTurn, OfAnotherKindIsRefused) {
             "turns can be made, take the mark out of the file");
   EXPECT_NE(error({-1, 0, 0, 1}).find("shown mirrored"), std::string::npos);
   FrameSource oblong({.path = with_matrix(video, {2, 0, 0, 1})});
-  EXPECT_EQ(read_all(oblong).size(), 3);
+  EXPECT_EQ(pictures_of(oblong).size(), 3);
   EXPECT_NE(oblong.complaint().value_or("").find("its pixels are told to be 2:1"),
             std::string::npos);
 }
