@@ -61,7 +61,7 @@ std::string mark_of(const json& comparison, const json& entry, const std::string
   const json& first = comparison["estimators"][0]["name"];
   for (const json& difference : comparison["differences"]) {
     if (difference["against"] != first || difference["of"] != entry["name"]) continue;
-    if (!place.ends_with("/" + difference["figure"].get<std::string>())) continue;
+    if (!place.ends_with(fmt::format("/{}", difference["figure"].get<std::string>()))) continue;
     const auto verdict = difference["verdict"].get<std::string>();
     return verdict == "not_significant" ? "n.s." : verdict;
   }
