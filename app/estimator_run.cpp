@@ -90,6 +90,10 @@ Sentences doubtful_inputs(const EstimatorRun& run) {
   if (run.config().acceleration.path && run.config().estimator.mode_in_use() != Mode::paper) {
     found.emplace_back("acceleration.path: only estimator.mode=paper uses it");
   }
+  if (run.inputs().mask && run.config().estimator.mode_in_use() == Mode::paper &&
+      run.config().estimator.policy != Policy::reference) {
+    found.emplace_back("calibration.mask: the flow of estimator.mode=paper does not use it");
+  }
   return found;
 }
 
@@ -101,6 +105,18 @@ void tell(std::span<const EstimatorRun> runs, Sentences (*sentences_of)(const Es
       if (told.insert(sentence).second) fmt::print(stderr, "stillkite: {}\n", sentence);
     }
   }
+}
+
+// Legs, text and the like that no mask had hidden before.
+Sentences what_is_fixed(const EstimatorRun& run) {
+  double most = 0;
+  for (const NavigationEstimate& e : run.estimates()) most = std::max(most, e.hidden_ratio);
+  const double found = most - (run.inputs().mask ? run.inputs().mask->hidden_ratio() : 0);
+  if (!(found > 0)) return {};
+  return {fmt::format(
+      "{:.2g} % of the picture kept its place while the rest moved (the aircraft's legs, text?) "
+      "and was left out from when that had shown; calibration.mask leaves it out from the start",
+      100 * found)};
 }
 
 // Between neighbours that the reference estimator has both seen.
@@ -167,7 +183,9 @@ void EstimatorRun::step(const Frame& frame) {
       .others = readings_between(inputs_.sensors, before_.value_or(frame.stamp), frame.stamp)};
   before_ = frame.stamp;
   const RunClock::time_point start = RunClock::now();
-  PilotStep step = pilot_.step(frame, readings);
+  Frame masked = frame;
+  masked.mask = inputs_.mask;
+  PilotStep step = pilot_.step(masked, readings);
   frame_ms_.push_back(std::chrono::duration<float, std::milli>(RunClock::now() - start).count());
   upright_ = step.estimate.upright;
   if (!config_.initial.from_truth) step.estimate = told_upright(std::move(step.estimate));
@@ -254,6 +272,7 @@ void tell_of_ending(const Ending& ending, std::span<const EstimatorRun> runs,
     fmt::print(stderr, "stillkite: {}\n", *ending.complaint);
   }
   tell(runs, what_does_not_cover);
+  tell(runs, what_is_fixed);
   if (ending.failure || interrupted()) {
     fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
                runs.front().estimates().size(), out.string());

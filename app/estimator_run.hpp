@@ -89,7 +89,8 @@ void tell_of_doubtful_inputs(std::span<const EstimatorRun> runs);
 void tell_of_contradictions(const EstimatorRun& run);
 
 /// A line of what was wrong, of each sensor's log, and of a truth, that says nothing of much of the
-/// flight, and of where the results of a recording lie that did not come to its end.
+/// flight, of what was fixed to the camera unmasked, and of where the results of a recording lie
+/// that did not come to its end.
 void tell_of_ending(const Ending& ending, std::span<const EstimatorRun> runs,
                     const std::filesystem::path& out);
 

@@ -38,11 +38,10 @@ PlaneAligner::PlaneAligner(const Camera& camera, const PlaneAlignmentConfig& con
   const int count = pyramid_levels(camera.width_px, camera.height_px, config.levels);
   Camera at = camera;
   for (int i = 0; i < count; ++i) {
-    Level level{at,
-                make_tile_grid(at.width_px, at.height_px, config.tile_columns, config.tile_rows),
-                {},
-                {},
-                {}};
+    Level level{
+        at, make_tile_grid(at.width_px, at.height_px, config.tile_columns, config.tile_rows),
+        {}, {},
+        {}, {}};
     level.rays = make_tile_rays(at, level.grid);
     for (std::size_t k = 0; k < level.grid.centre_x_px.size(); ++k) {
       level.cluster.push_back(cell(level.grid.centre_y_px[k], at.height_px, kClustersDown) *
@@ -64,6 +63,42 @@ void PlaneAligner::set_reference(Pyramid& pyramid) {
   for (Level& level : levels_) level.textures.forget(level.grid);
 }
 
+void PlaneAligner::set_mask(const std::shared_ptr<const PictureMask>& mask) {
+  if (mask == mask_) return;
+  mask_ = mask;
+  for (std::size_t l = 0; mask_ && l < levels_.size(); ++l) {
+    const TileGrid& grid = levels_[l].grid;
+    levels_[l].hidden.resize(grid.centre_x_px.size());
+    for (std::size_t i = 0; i < grid.centre_x_px.size(); ++i) {
+      const bool is_hidden_now =
+          is_hidden(grid, static_cast<int>(l), grid.centre_x_px[i], grid.centre_y_px[i]);
+      levels_[l].hidden[i] = is_hidden_now ? 1 : 0;
+    }
+  }
+}
+
+bool PlaneAligner::is_hidden(const TileGrid& grid, int level, float x_px, float y_px) const {
+  constexpr float kMost = 0.1F;
+  const float side = std::ldexp(1.0F, level);
+  // the whole picture's pixel i lies about i, from i - 0.5 on
+  const auto in_whole = [&](float at) { return (at + 0.5F) * side - 0.5F; };
+  return mask_->hidden_ratio(in_whole(x_px), in_whole(y_px),
+                             side * static_cast<float>(grid.columns),
+                             side * static_cast<float>(grid.rows)) > kMost;
+}
+
+// In either picture.
+void PlaneAligner::leave_out_hidden(int level) {
+  if (!mask_) return;
+  const Level& at = levels_[static_cast<std::size_t>(level)];
+  for (std::size_t i = 0; i < placement_.x_px.size(); ++i) {
+    if (placement_.x_px[i] < 0) continue;
+    if (at.hidden[i] != 0 || is_hidden(at.grid, level, placement_.x_px[i], placement_.y_px[i])) {
+      placement_.x_px[i] = placement_.y_px[i] = TilePlacement::kNowhere_px;
+    }
+  }
+}
+
 PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& guess,
                                    const TiltPrior& tilt, const RollingShutter& shutter) {
   PlaneAlignment out{.motion = guess, .shutter = shutter};
@@ -81,6 +116,7 @@ PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& gu
         place_tiles(level.camera, rays, out.motion, tilt.axes, placement_, jacobian_,
                     &times_of_rows(level.camera, shutter));
       }
+      leave_out_hidden(l);
       // 2. what the images say of it, in information form
       const bool exactly = config_.exact_warp && deformation_px(level.grid) > kFirstOrder_px;
       const TileEffort effort{.quintic = l == 0, .contrast = l > 0 && s == 0};

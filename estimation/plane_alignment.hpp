@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "estimation/plane_motion.hpp"
 #include "estimation/plane_solver.hpp"
 #include "estimation/plane_tiles.hpp"
+#include "flow/picture_mask.hpp"
 #include "flow/pyramid.hpp"
 #include "flow/tile_flow.hpp"
 #include "geometry/camera.hpp"
@@ -72,6 +74,9 @@ class PlaneAligner {
   void set_reference(Pyramid& pyramid);
   [[nodiscard]] const Pyramid& reference() const { return reference_; }
 
+  /// What neither picture shows the world in from now on; none: nothing.
+  void set_mask(const std::shared_ptr<const PictureMask>& mask);
+
   [[nodiscard]] PlaneAlignment align(const Pyramid& current, const PlaneMotion& guess,
                                      const TiltPrior& tilt, const RollingShutter& shutter = {});
 
@@ -85,14 +90,17 @@ class PlaneAligner {
     Camera camera;
     TileGrid grid;
     TileRays rays;
-    std::vector<int> cluster;  ///< of each tile
-    TileTextures textures;     ///< of the reference
+    std::vector<int> cluster;           ///< of each tile
+    std::vector<unsigned char> hidden;  ///< 1 where the mask hides a tile
+    TileTextures textures;              ///< of the reference
   };
 
   [[nodiscard]] PlaneObservations observations(const Level& level) const;
   [[nodiscard]] const TileRays& rays_at_stamp(const Level& level, const Eigen::Vector3d& normal,
                                               const RollingShutter& shutter);
   [[nodiscard]] const TileTimes& times_of_rows(const Camera& camera, const RollingShutter& shutter);
+  [[nodiscard]] bool is_hidden(const TileGrid& grid, int level, float x_px, float y_px) const;
+  void leave_out_hidden(int level);
   [[nodiscard]] float deformation_px(const TileGrid& grid) const;
   [[nodiscard]] double update_px(const Level& level, const PlaneMotionStep& step) const;
   void match_brightness(PlaneAlignment& out, bool adapt) const;
@@ -102,6 +110,7 @@ class PlaneAligner {
   PlaneAlignmentConfig config_;
   Pyramid reference_;
   std::vector<Level> levels_;
+  std::shared_ptr<const PictureMask> mask_;
   TileFlow tile_flow_;
   PlaneSolver solver_;
   const TileMeasurements* measurements_ = nullptr;

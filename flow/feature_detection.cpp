@@ -56,10 +56,11 @@ cv::FlannBasedMatcher make_matcher(int descriptor_type) {
 }  // namespace
 
 std::vector<cv::Point2f> detect_features(const cv::Mat& grey, const DetectorConfig& config,
-                                         const std::vector<cv::Point2f>& followed_px) {
-  cv::Mat free_of_them;
+                                         const std::vector<cv::Point2f>& followed_px,
+                                         const cv::Mat& mask) {
+  cv::Mat free_of_them = mask;
   if (!followed_px.empty()) {
-    free_of_them = cv::Mat(grey.size(), CV_8U, cv::Scalar(255));
+    free_of_them = mask.empty() ? cv::Mat(grey.size(), CV_8U, cv::Scalar(255)) : mask.clone();
     const int radius_px = static_cast<int>(std::lround(config.min_distance_px));
     for (const cv::Point2f& at : followed_px) cv::circle(free_of_them, at, radius_px, 0, -1);
   }

@@ -44,10 +44,10 @@ struct DetectorConfig {
 };
 
 /// Features of a grey picture, the strongest first; none within `min_distance_px` of one of
-/// `followed_px`.
+/// `followed_px`, none where the mask (CV_8UC1; empty: none) is 0.
 [[nodiscard]] std::vector<cv::Point2f> detect_features(
     const cv::Mat& grey, const DetectorConfig& config,
-    const std::vector<cv::Point2f>& followed_px = {});
+    const std::vector<cv::Point2f>& followed_px = {}, const cv::Mat& mask = {});
 
 /// Places of the same features in two pictures.
 struct FeatureMatches {

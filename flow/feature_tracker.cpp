@@ -135,11 +135,30 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
   last_steps_px_.assign(count, 0);
   correlations_.assign(count, 0);
   alive_.assign(count, 0);
+  learn_hidden();
   motion_ = {};
   deformation_.set_points(tracks_.reference_px);
   gradients_.assign(count, Eigen::Matrix2f::Zero());
   last_found_count_ = 0;
   has_last_ = false;
+}
+
+void FeatureTracker::set_mask(const std::shared_ptr<const PictureMask>& mask) {
+  if (mask == mask_) return;
+  mask_ = mask;
+  learn_hidden();
+}
+
+bool FeatureTracker::is_hidden(const Eigen::Vector2f& at_px) const {
+  constexpr float kMost = 0.1F;
+  return mask_ &&
+         mask_->hidden_ratio(at_px.x(), at_px.y(), kFeatureWindow_px, kFeatureWindow_px) > kMost;
+}
+
+void FeatureTracker::learn_hidden() {
+  hidden_.resize(tracks_.reference_px.size());
+  std::transform(tracks_.reference_px.begin(), tracks_.reference_px.end(), hidden_.begin(),
+                 [&](const Eigen::Vector2f& at_px) { return is_hidden(at_px) ? 1 : 0; });
 }
 
 const FeatureTracks& FeatureTracker::track(const cv::Mat& grey,
@@ -252,7 +271,8 @@ void FeatureTracker::place(int level) {
     const auto k = static_cast<std::size_t>(i);
     const Eigen::Vector2f d = k < displacements_px_.size() ? (scale * displacements_px_[k]).eval()
                                                            : Eigen::Vector2f(0, 0);
-    placement_.x_px[k] = grid.centre_x_px[k] + d.x();
+    const bool is_left_out = k < hidden_.size() && hidden_[k] != 0;
+    placement_.x_px[k] = is_left_out ? TilePlacement::kNowhere_px : grid.centre_x_px[k] + d.x();
     placement_.y_px[k] = grid.centre_y_px[k] + d.y();
     const Eigen::Matrix2f& gradient =
         level == 0 && k < gradients_.size() ? gradients_[k] : motion_.gradient;
@@ -307,7 +327,8 @@ void FeatureTracker::judge() {
     const Eigen::Array2f at = tracks_.current_px[i].array();
     const bool is_inside = (at > kMargin_px).all() && (at < last).all();
     tracks_.found[i] = alive_[i] != 0 && is_inside && last_steps_px_[i] < kSettled_px &&
-                               correlations_[i] > static_cast<float>(config_.min_correlation)
+                               correlations_[i] > static_cast<float>(config_.min_correlation) &&
+                               !is_hidden(tracks_.current_px[i])
                            ? 1
                            : 0;
   }

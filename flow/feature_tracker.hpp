@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <opencv2/core/types.hpp>
 #include <optional>
 #include <span>
@@ -8,6 +9,7 @@
 
 #include "flow/affine_flow.hpp"
 #include "flow/local_deformation.hpp"
+#include "flow/picture_mask.hpp"
 #include "flow/picture_search.hpp"
 #include "flow/pyramid.hpp"
 #include "flow/tile_flow.hpp"
@@ -58,12 +60,17 @@ class FeatureTracker {
   /// Features whose window leaves the picture are left out. The pixels are shared, not copied.
   void set_reference(const cv::Mat& grey, const std::vector<cv::Point2f>& features_px);
 
+  /// What no picture shows the world in from now on; features in it are not found.
+  void set_mask(const std::shared_ptr<const PictureMask>& mask);
+
   /// The current picture has the reference's size. The answer holds until the next call. Where the
   /// features must be searched for and it is known by how much the picture has turned (from the x
   /// axis to the y axis), that is the one turn that is tried.
   const FeatureTracks& track(const cv::Mat& grey, std::optional<double> known_turn_rad = {});
 
  private:
+  [[nodiscard]] bool is_hidden(const Eigen::Vector2f& at_px) const;
+  void learn_hidden();
   void align(bool is_warm);
   [[nodiscard]] bool is_lost() const;
   void search(std::optional<double> known_turn_rad);
@@ -92,6 +99,8 @@ class FeatureTracker {
   std::vector<float> correlations_;
   std::vector<float> noise_grey2_;    // of the windows found, in no order
   std::vector<unsigned char> alive_;  // in the level at hand
+  std::shared_ptr<const PictureMask> mask_;
+  std::vector<unsigned char> hidden_;  // in the reference, by the mask
   FeatureTracks tracks_;
   int last_found_count_ = 0;
   bool has_last_ = false;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <opencv2/imgcodecs.hpp>
 
 #include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
@@ -55,6 +56,28 @@ Calibration find_calibration(const RunConfig& config, const std::optional<EurocD
         size.width, size.height));
   }
   return found;
+}
+
+std::shared_ptr<const PictureMask> read_mask(const CalibrationConfig& config,
+                                             const cv::Size& size) {
+  if (!config.mask) return nullptr;
+  const std::string name = config.mask->string();
+  const cv::Mat grey = cv::imread(name, cv::IMREAD_GRAYSCALE);
+  if (grey.empty()) {
+    throw InputError("calibration.mask: " + name +
+                     " is missing or no picture; give a PNG, black where no world is seen");
+  }
+  if (grey.size() != size) {
+    throw InputError(fmt::format("calibration.mask: {} is {}x{}, the pictures are {}x{}", name,
+                                 grey.cols, grey.rows, size.width, size.height));
+  }
+  constexpr std::uint8_t kBlack = 127;
+  auto mask = std::make_shared<const PictureMask>(grey > kBlack);
+  if (mask->hidden_ratio() == 1) {
+    throw InputError("calibration.mask: " + name +
+                     " is black all over; black is what no world is seen in, the rest is white");
+  }
+  return mask;
 }
 
 // The picture's right is the body's right at any tilt.
@@ -243,7 +266,8 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
   const std::optional<EurocDataset> dataset = find_euroc_dataset(config.source.path);
   const Calibration calibration = find_calibration(config, dataset, first.grey.size());
   FlightInputs inputs{.camera = calibration.camera,
-                      .body_from_camera = mount_of(config.mount, calibration)};
+                      .body_from_camera = mount_of(config.mount, calibration),
+                      .mask = read_mask(config.calibration, first.grey.size())};
   read_truth(config, dataset, inputs);
   inputs.sensors = read_sensors(config);
   inputs.initial = start_of(config, inputs, first.stamp);
@@ -268,8 +292,8 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
 std::vector<std::filesystem::path> named_files(const RunConfig& config) {
   std::vector<std::filesystem::path> files{config.source.path};
   for (const auto& path :
-       {config.calibration.path, config.height.path, config.gyro.path, config.imu.path,
-        config.attitude.path, config.acceleration.path,
+       {config.calibration.path, config.calibration.mask, config.height.path, config.gyro.path,
+        config.imu.path, config.attitude.path, config.acceleration.path,
         config.truth.path ? find_trajectory(*config.truth.path) : std::nullopt}) {
     if (path) files.push_back(*path);
   }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "flow/frame.hpp"
+#include "flow/picture_mask.hpp"
 #include "geometry/camera.hpp"
 #include "io/run_config.hpp"
 #include "io/sensor_log.hpp"
@@ -15,6 +17,7 @@ namespace stillkite {
 struct FlightInputs {
   Camera camera;
   RigidTransform body_from_camera;
+  std::shared_ptr<const PictureMask> mask;  ///< none: all of the picture shows the world
   InitialState initial;
   SensorLog sensors;
   std::vector<StampedPose> truth;              ///< empty: there is none
@@ -22,7 +25,8 @@ struct FlightInputs {
 };
 
 /// Throws InputError where a file is wrong, where the calibration is of another resolution than the
-/// first frame, where no calibration is found, and where the start is not determined.
+/// first frame, or the mask is, where no calibration is found, and where the start is not
+/// determined.
 [[nodiscard]] FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first);
 
 /// The files that the configuration names, and those that a truth's folder stands for.

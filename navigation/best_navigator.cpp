@@ -142,6 +142,7 @@ NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,
     }
   }
   out.picture_speed_px_s = flow.picture_speed_px_s;
+  out.picture_shift_px = flow.picture_shift_px;
   out.reference = reference.reference;
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   return out;

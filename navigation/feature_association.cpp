@@ -1,5 +1,7 @@
 #include "navigation/feature_association.hpp"
 
+#include "flow/picture_mask.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -15,6 +17,19 @@ AssociationMethod make_association(const ReferenceConfig& config) {
       break;
   }
   return FeatureMatcher(config.detector);
+}
+
+// At its very place; our own windows are left out where a part of them is hidden.
+void leave_out_hidden(FeatureTracks& tracks, const PictureMask& mask) {
+  const auto is_hidden = [&](const Eigen::Vector2f& at_px) {
+    return mask.hidden_ratio(at_px.x(), at_px.y(), 1, 1) > 0;
+  };
+  for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+    if (tracks.found[i] == 0) continue;
+    if (!is_hidden(tracks.reference_px[i]) && !is_hidden(tracks.current_px[i])) continue;
+    tracks.found[i] = 0;
+    --tracks.found_count;
+  }
 }
 
 FeatureTracks tracks_of(const FeatureMatches& matches) {
@@ -33,37 +48,39 @@ FeatureTracks tracks_of(const FeatureMatches& matches) {
 FeatureAssociation::FeatureAssociation(const ReferenceConfig& config)
     : detector_(config.detector), method_(make_association(config)) {}
 
-bool FeatureAssociation::set_reference(const cv::Mat& grey, int min_features,
+bool FeatureAssociation::set_reference(const Frame& frame, int min_features,
                                        const std::vector<cv::Point2f>& followed_px) {
   if (std::holds_alternative<FeatureMatcher>(method_)) {
     FeatureMatcher matcher(detector_);
-    matcher.set_reference(grey);
+    matcher.set_reference(frame.grey);
     if (matcher.reference_count() < min_features) return false;
     method_ = std::move(matcher);
     return true;
   }
   std::vector<cv::Point2f> features_px = followed_px;
-  const std::vector<cv::Point2f> others_px = detect_features(grey, detector_, followed_px);
+  const std::vector<cv::Point2f> others_px = detect_features(
+      frame.grey, detector_, followed_px, frame.mask ? frame.mask->shows_world() : cv::Mat());
   features_px.insert(features_px.end(), others_px.begin(), others_px.end());
   if (static_cast<int>(features_px.size()) < min_features) return false;
   if (auto* windows = std::get_if<FeatureTracker>(&method_)) {
-    windows->set_reference(grey, features_px);
+    windows->set_reference(frame.grey, features_px);
   } else {
-    std::get<OpenCvFeatureTracker>(method_).set_reference(grey, features_px);
+    std::get<OpenCvFeatureTracker>(method_).set_reference(frame.grey, features_px);
   }
   return true;
 }
 
-const FeatureTracks& FeatureAssociation::find(const cv::Mat& grey,
+const FeatureTracks& FeatureAssociation::find(const Frame& frame,
                                               std::optional<double> known_turn_rad) {
-  if (const auto* matcher = std::get_if<FeatureMatcher>(&method_)) {
-    matched_ = tracks_of(matcher->match(grey));
-    return matched_;
-  }
   if (auto* windows = std::get_if<FeatureTracker>(&method_)) {
-    return windows->track(grey, known_turn_rad);
+    windows->set_mask(frame.mask);
+    return windows->track(frame.grey, known_turn_rad);
   }
-  return std::get<OpenCvFeatureTracker>(method_).track(grey);
+  const auto* matcher = std::get_if<FeatureMatcher>(&method_);
+  tracks_ = matcher != nullptr ? tracks_of(matcher->match(frame.grey))
+                               : std::get<OpenCvFeatureTracker>(method_).track(frame.grey);
+  if (frame.mask) leave_out_hidden(tracks_, *frame.mask);
+  return tracks_;
 }
 
 }  // namespace stillkite

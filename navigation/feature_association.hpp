@@ -3,6 +3,7 @@
 #include <optional>
 #include <variant>
 
+#include "flow/frame.hpp"
 #include "navigation/reference_config.hpp"
 
 namespace stillkite {
@@ -12,19 +13,20 @@ class FeatureAssociation {
  public:
   explicit FeatureAssociation(const ReferenceConfig& config);
 
-  /// False, and the former reference stays, where the picture has fewer features than that. The
-  /// first of its features are those that were followed up to here, where they are in the picture.
-  [[nodiscard]] bool set_reference(const cv::Mat& grey, int min_features,
+  /// Nothing is found where the frame's mask hides it. False, and the former reference stays, where
+  /// the picture has fewer features than that. The first of its features are those that were
+  /// followed up to here, where they are in the picture.
+  [[nodiscard]] bool set_reference(const Frame& frame, int min_features,
                                    const std::vector<cv::Point2f>& followed_px = {});
   /// The answer holds until the next call. The turn of the picture since the reference, where it is
   /// known, spares a search most of its time.
-  [[nodiscard]] const FeatureTracks& find(const cv::Mat& grey,
+  [[nodiscard]] const FeatureTracks& find(const Frame& frame,
                                           std::optional<double> known_turn_rad = {});
 
  private:
   DetectorConfig detector_;
   std::variant<FeatureTracker, OpenCvFeatureTracker, FeatureMatcher> method_;
-  FeatureTracks matched_;
+  FeatureTracks tracks_;
 };
 
 }  // namespace stillkite

@@ -83,6 +83,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   NavigationEstimate out =
       with_report(answer(frame, verdict, velocity), reference, since_reference);
   out.picture_speed_px_s = flow.picture_speed_px_s;
+  out.picture_shift_px = flow.picture_shift_px;
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   return out;

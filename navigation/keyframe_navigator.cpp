@@ -69,6 +69,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
                                            const SensorReadings& readings, const FlowHints& hints) {
   StopWatch watch;
   view_.reset();
+  aligner_.set_mask(frame.mask);
   // 1. Halve the picture a few times.
   current_.build(frame.grey, config_.alignment.levels);
   if (interval.spoiled == Verdict::first_frame) return start(frame, readings);
@@ -98,7 +99,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   if (new_keyframe) take_keyframe();
   NavigationEstimate out = answer(frame, verdict);
   out.new_keyframe = new_keyframe;
-  if (verdict == Verdict::ok) out.picture_speed_px_s = mean_shift_px() / interval.dt_s;
+  if (verdict == Verdict::ok) tell_shift(interval.dt_s, out);
   out.quality = quality_of(alignment);
   out.stage_ms = {pyramid_ms, flow_ms, 0, watch.lap_ms()};
   return out;
@@ -284,14 +285,18 @@ std::vector<WindowFlow> KeyframeNavigator::windows() const {
 }
 
 // Since the frame before that showed something.
-double KeyframeNavigator::mean_shift_px() const {
-  double sum_px = 0;
+void KeyframeNavigator::tell_shift(double dt_s, NavigationEstimate& out) const {
+  double way_px = 0;
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
   int count = 0;
-  for_each_window([&](const Eigen::Vector2f&, const Eigen::Vector2f& shift_px, float) {
-    sum_px += static_cast<double>(shift_px.norm());
+  for_each_window([&](const Eigen::Vector2f&, const Eigen::Vector2f& shift, float) {
+    way_px += static_cast<double>(shift.norm());
+    shift_px += shift.cast<double>();
     ++count;
   });
-  return count == 0 ? 0 : sum_px / count;
+  if (count == 0) return;
+  out.picture_speed_px_s = way_px / count / dt_s;
+  out.picture_shift_px = shift_px / count;
 }
 
 bool KeyframeNavigator::count_success(const PlaneAlignment& alignment) {

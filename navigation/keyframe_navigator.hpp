@@ -53,7 +53,7 @@ class KeyframeNavigator {
                                      const std::optional<Eigen::Vector3d>& normal);
   void remember_windows(const FrameInterval& interval);
   void for_each_window(auto&& visit) const;
-  [[nodiscard]] double mean_shift_px() const;
+  void tell_shift(double dt_s, NavigationEstimate& out) const;
   [[nodiscard]] Verdict judge(const PlaneAlignment& alignment) const;
   // True: a new keyframe is due.
   [[nodiscard]] bool count_success(const PlaneAlignment& alignment);

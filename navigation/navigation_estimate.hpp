@@ -78,6 +78,10 @@ struct NavigationEstimate {
   /// Of the ground, since the last picture that was not frozen but over the last interval; 0: not
   /// measured.
   double picture_speed_px_s = 0;
+  /// Of the ground, mean, since that picture; nothing where it was not measured.
+  std::optional<Eigen::Vector2d> picture_shift_px;
+
+  double hidden_ratio = 0;  ///< of the picture: by its mask, and what was found to be fixed to it
 
   ScaleSource scale = ScaleSource::none;
   double scale_age_s = 0;  ///< since the last reading of that source

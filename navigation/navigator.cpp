@@ -5,6 +5,8 @@
 #include <cmath>
 #include <variant>
 
+#include "flow/fixture_finder.hpp"
+#include "flow/picture_mask.hpp"
 #include "navigation/best_navigator.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/fused_navigator.hpp"
@@ -47,6 +49,11 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
 
 void check_picture(const Frame& frame, const Camera& camera) {
   const cv::Mat& grey = frame.grey;
+  if (frame.mask && frame.mask->shows_world().size() != grey.size()) {
+    throw InputError(fmt::format("frame {}: {}x{} pixels, its mask {}x{}", frame.index, grey.cols,
+                                 grey.rows, frame.mask->shows_world().cols,
+                                 frame.mask->shows_world().rows));
+  }
   if (grey.type() == CV_8UC1 && grey.cols == camera.width_px && grey.rows == camera.height_px) {
     return;
   }
@@ -73,6 +80,7 @@ struct Navigator::State {
   Camera camera;
   FrameClock clock;
   Method method;
+  FixtureFinder fixtures;
   double picture_speed_px_s = 0;  // by the frame before
 };
 
@@ -82,7 +90,8 @@ Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camer
     : state_(std::make_unique<State>(
           State{.camera = camera,
                 .clock = FrameClock(config.trust.max_gap_s),
-                .method = make_method(camera, body_from_camera, config, initial, estimator)})) {}
+                .method = make_method(camera, body_from_camera, config, initial, estimator),
+                .fixtures = {}})) {}
 Navigator::~Navigator() = default;
 Navigator::Navigator(Navigator&&) noexcept = default;
 Navigator& Navigator::operator=(Navigator&&) noexcept = default;
@@ -93,9 +102,12 @@ NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& rea
   check_picture(frame, state_->camera);
   const FrameInterval interval = state_->clock.pass(frame, state_->picture_speed_px_s);
   const SensorReadings numbers = those_that_are_numbers(readings);
-  const NavigationEstimate estimate = std::visit(
-      [&](auto& method) { return method.step(frame, interval, numbers); }, state_->method);
+  const Frame masked = state_->fixtures.masked(frame);
+  NavigationEstimate estimate = std::visit(
+      [&](auto& method) { return method.step(masked, interval, numbers); }, state_->method);
+  if (masked.mask) estimate.hidden_ratio = masked.mask->hidden_ratio();
   state_->picture_speed_px_s = estimate.picture_speed_px_s;
+  state_->fixtures.learn(frame.grey, estimate.picture_shift_px);
   return estimate;
 }
 

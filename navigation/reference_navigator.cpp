@@ -58,7 +58,7 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   if (interval.spoiled && !interval.is_late) return answer(frame, *interval.spoiled);
   // 2. Where the reference's features are in this frame; the lost ones are dropped.
   if (look_for_home(frame, readings, may_be_home)) go_home(frame.stamp);
-  const FeatureTracks& tracks = references_.back().association.find(frame.grey);
+  const FeatureTracks& tracks = references_.back().association.find(frame);
   references_.back().most_found = std::max(references_.back().most_found, tracks.found_count);
   const double flow_ms = watch.lap_ms();
   // 3. Undistorted, they tell how the camera has turned and which way it has gone.

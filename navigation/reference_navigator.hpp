@@ -82,7 +82,7 @@ class ReferenceNavigator {
   void turn(const RelativePoseEstimate& pose, Timestamp now);
   void renew_reference(const Frame& frame, int features, Verdict verdict);
   [[nodiscard]] bool take_reference(const Frame& frame, bool measured);
-  [[nodiscard]] bool set_reference(const cv::Mat& grey);
+  [[nodiscard]] bool set_reference(const Frame& frame);
   [[nodiscard]] bool keeps_home() const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 

@@ -55,7 +55,7 @@ bool ReferenceNavigator::look_for_home(const Frame& frame, const SensorReadings&
   if (references_.size() == 1 || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
   const double turn_rad = picture_turn_rad(current_.world_from_camera.conjugate() *
                                            references_.front().attitude.world_from_camera);
-  const FeatureTracks& tracks = references_.front().association.find(frame.grey, turn_rad);
+  const FeatureTracks& tracks = references_.front().association.find(frame, turn_rad);
   if (tracks.found_count < kManyTimes * fewest_features(references_.front())) return false;
   const FeatureBearings bearings = feature_bearings(camera_, tracks);
   const RelativePoseEstimate pose =
@@ -86,20 +86,20 @@ bool ReferenceNavigator::keeps_home() const {
 }
 
 // A picture without features would be held to for ever: what there is stays until a better comes.
-bool ReferenceNavigator::set_reference(const cv::Mat& grey) {
-  if (is_featureless(grey)) return false;
+bool ReferenceNavigator::set_reference(const Frame& frame) {
+  if (is_featureless(frame.grey)) return false;
   if (!has_reference_ || !is_home_ || !keeps_home()) {
-    return references_.back().association.set_reference(grey, config_.min_features, followed_px_);
+    return references_.back().association.set_reference(frame, config_.min_features, followed_px_);
   }
   Reference next = fresh_reference();
-  if (!next.association.set_reference(grey, config_.min_features, followed_px_)) return false;
+  if (!next.association.set_reference(frame, config_.min_features, followed_px_)) return false;
   references_.push_back(std::move(next));
   frames_away_ = 0;
   return true;
 }
 
 bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
-  if (!set_reference(frame.grey)) return false;
+  if (!set_reference(frame)) return false;
   current_.stamp = frame.stamp;
   if (!measured) {
     current_.covariance.diagonal().array() += kLossSigma_rad * kLossSigma_rad;

@@ -44,6 +44,40 @@ TrackError error_of(const FeatureTracks& tracks, const Eigen::Affine2d& motion) 
   return error;
 }
 
+// Whether they were there in the reference or have come there since.
+TEST(FeatureTracker, FindsNoFeatureBehindAMask) {
+  const Eigen::Affine2d motion = motion_about_middle(0, 1, {20, 0});
+  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat current = analytic_frame(kSize, motion);
+  FeatureTracker tracker({});
+  tracker.set_reference(reference, corners(reference));
+  const FeatureTracks all = tracker.track(current);
+  cv::Mat shows_world(kSize, CV_8U, cv::Scalar(255));
+  shows_world.colRange(150, 250) = 0;
+  tracker.set_mask(std::make_shared<const PictureMask>(shows_world));
+  const FeatureTracks masked = tracker.track(current);
+  const auto is_behind = [](const Eigen::Vector2f& at_px) {
+    return at_px.x() > 145 && at_px.x() < 255;
+  };
+  const auto is_far = [](const Eigen::Vector2f& at_px) {
+    return at_px.x() < 140 || at_px.x() > 260;
+  };
+  int behind = 0, come = 0;
+  for (std::size_t i = 0; i < all.found.size(); ++i) {
+    const bool was = is_behind(all.reference_px[i]), is = is_behind(all.current_px[i]);
+    EXPECT_FALSE((was || is) && masked.found[i] != 0) << all.reference_px[i].transpose();
+    behind += all.found[i] != 0 && was ? 1 : 0;
+    come += all.found[i] != 0 && is && is_far(all.reference_px[i]) ? 1 : 0;
+    if (is_far(all.reference_px[i]) && is_far(all.current_px[i])) {
+      EXPECT_EQ(masked.found[i], all.found[i]) << all.reference_px[i].transpose();
+    }
+  }
+  EXPECT_GT(behind, 10);
+  EXPECT_GT(come, 2);
+  tracker.set_mask(nullptr);
+  EXPECT_EQ(tracker.track(current).found, all.found);
+}
+
 TEST(FeatureTracker, FindsFeaturesWhereTheyHaveMoved) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});

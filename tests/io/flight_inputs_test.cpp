@@ -1,6 +1,7 @@
 #include "io/flight_inputs.hpp"
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "temporary_folder.hpp"
 
@@ -133,6 +134,26 @@ TEST_F(Inputs, ABarometerIsTiedToTheInitialHeight) {
   EXPECT_NE(error().find("a barometer gives changes only"), std::string::npos);
   config.initial.height_m = 20;
   EXPECT_NEAR(read().sensors.height_m.values[1], 21, 1e-9);
+}
+
+TEST_F(Inputs, AMaskIsBlackWhereNoWorldIsSeen) {
+  EXPECT_EQ(read().mask, nullptr);
+  cv::Mat mask(1080, 1920, CV_8UC3, cv::Scalar::all(255));
+  mask.rowRange(0, 270) = cv::Scalar::all(0);
+  const std::filesystem::path file = folder.path() / "mask.png";
+  config.calibration.mask = file;
+  const auto error_with = [&](const cv::Mat& picture) {
+    cv::imwrite(file.string(), picture);
+    return error();
+  };
+  EXPECT_EQ(error_with(mask), "accepted");
+  EXPECT_DOUBLE_EQ(read().mask->hidden_ratio(), 0.25);
+  EXPECT_EQ(read().mask->hidden_ratio(960, 100, 10, 10), 1);
+  EXPECT_NE(error_with(mask.rowRange(0, 1000)).find("is 1920x1000, the pictures are 1920x1080"),
+            std::string::npos);
+  EXPECT_NE(error_with(0 * mask).find("is black all over"), std::string::npos);
+  std::filesystem::remove(file);
+  EXPECT_NE(error().find("is missing or no picture"), std::string::npos);
 }
 
 TEST_F(Inputs, MessagesNameWhatToMend) {
