@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "flow/picture_mask.hpp"
 
@@ -86,11 +87,10 @@ void FixtureFinder::learn(const cv::Mat& grey, const std::optional<Eigen::Vector
   const bool begins = !shift_px || before_.size() != half_size;
   if (!begins) since_then_px_ += *shift_px;
   if (!begins && since_then_px_.norm() < kMoved_px) return;
-  cv::Mat half;
-  cv::resize(grey, half, half_size, 0, 0, cv::INTER_AREA);
+  cv::resize(grey, half_, half_size, 0, 0, cv::INTER_AREA);
   if (!begins) {
-    count_still(half);
-    const cv::Mat cells = fixed_cells(half);
+    count_still();
+    const cv::Mat cells = fixed_cells();
     if (cv::norm(cells, cells_, cv::NORM_INF) > 0) combined_.reset();
     cells_ = cells;
     has_fixtures_ = cv::countNonZero(cells_) > 0;
@@ -98,18 +98,18 @@ void FixtureFinder::learn(const cv::Mat& grey, const std::optional<Eigen::Vector
     counts_ = cv::Mat::zeros(half_size, CV_8U);
     cells_ = cv::Mat::zeros(half_size / kCell_px, CV_8U);
   }
-  before_ = half;
+  std::swap(before_, half_);
   since_then_px_.setZero();
 }
 
-void FixtureFinder::count_still(const cv::Mat& half) {
-  for (int y = 1; y + 1 < half.rows; ++y) {
+void FixtureFinder::count_still() {
+  for (int y = 1; y + 1 < half_.rows; ++y) {
     std::uint8_t* count = counts_.ptr(y);
-    const std::uint8_t* now = half.ptr(y);
-    const std::uint8_t* above = half.ptr(y - 1);
-    const std::uint8_t* below = half.ptr(y + 1);
+    const std::uint8_t* now = half_.ptr(y);
+    const std::uint8_t* above = half_.ptr(y - 1);
+    const std::uint8_t* below = half_.ptr(y + 1);
     const std::uint8_t* then = before_.ptr(y);
-    for (int x = 1; x + 1 < half.cols; ++x) {
+    for (int x = 1; x + 1 < half_.cols; ++x) {
       const int slope = std::abs(now[x + 1] - now[x - 1]) + std::abs(below[x] - above[x]);
       const bool is_still =
           slope >= 2 * kEdge_grey && 2 * kStillPart * std::abs(now[x] - then[x]) <= slope;
@@ -119,7 +119,7 @@ void FixtureFinder::count_still(const cv::Mat& half) {
   }
 }
 
-cv::Mat FixtureFinder::fixed_cells(const cv::Mat& half) const {
+cv::Mat FixtureFinder::fixed_cells() const {
   cv::Mat fixed = cv::Mat::zeros(cells_.size(), CV_8U);
   const cv::Mat may_be_fixed = counts_ >= kStaysFixed;
   if (cv::countNonZero(may_be_fixed) == 0) return fixed;
@@ -132,7 +132,7 @@ cv::Mat FixtureFinder::fixed_cells(const cv::Mat& half) const {
       for (int x = column * kCell_px; x < (column + 1) * kCell_px; ++x) {
         if (counts_.at<std::uint8_t>(y, x) < enough) continue;
         ++pixels;
-        tensor += tensor_at(half, y, x);
+        tensor += tensor_at(half_, y, x);
       }
     }
     if (pixels >= kFewestPixels) fixed.at<std::uint8_t>(row, column) = 255;

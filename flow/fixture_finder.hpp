@@ -22,10 +22,11 @@ class FixtureFinder {
   void learn(const cv::Mat& grey, const std::optional<Eigen::Vector2d>& shift_px);
 
  private:
-  void count_still(const cv::Mat& half);
-  [[nodiscard]] cv::Mat fixed_cells(const cv::Mat& half) const;
+  void count_still();
+  [[nodiscard]] cv::Mat fixed_cells() const;
 
-  cv::Mat before_;  // the picture that the next one is compared with, half its size
+  // half the picture's size: the one at hand and the one that it is compared with
+  cv::Mat half_, before_;
   Eigen::Vector2d since_then_px_ = Eigen::Vector2d::Zero();
   cv::Mat counts_;  // CV_8U: in how many comparisons each of its pixels has kept still
   cv::Mat cells_;   // CV_8U: 255 where something is fixed

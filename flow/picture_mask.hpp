@@ -7,7 +7,8 @@ namespace stillkite {
 /// Which part of the camera's picture shows no world: text burnt in, the aircraft's own legs.
 class PictureMask {
  public:
-  /// CV_8UC1 of the picture's size, 0 where no world is shown. InputError if it is another type.
+  /// CV_8UC1 of the picture's size, 0 where no world is shown; the pixels are shared, not copied.
+  /// InputError if it is another type.
   explicit PictureMask(const cv::Mat& shows_world);
 
   [[nodiscard]] const cv::Mat& shows_world() const { return shows_world_; }
