@@ -92,7 +92,7 @@ Sentences doubtful_inputs(const EstimatorRun& run) {
   }
   if (run.inputs().mask && run.config().estimator.mode_in_use() == Mode::paper &&
       run.config().estimator.policy != Policy::reference) {
-    found.emplace_back("calibration.mask: the flow of estimator.mode=paper does not use it");
+    found.emplace_back("calibration.mask_path: the flow of estimator.mode=paper does not use it");
   }
   return found;
 }
@@ -115,7 +115,8 @@ Sentences what_is_fixed(const EstimatorRun& run) {
   if (!(found > 0)) return {};
   return {fmt::format(
       "{:.2g} % of the picture kept its place while the rest moved (the aircraft's legs, text?) "
-      "and was left out from when that had shown; calibration.mask leaves it out from the start",
+      "and was left out from when that had shown; calibration.mask_path leaves it out from the "
+      "start",
       100 * found)};
 }
 

@@ -37,13 +37,13 @@ struct CameraConfig {
 struct CalibrationConfig {
   std::optional<std::filesystem::path> path;
   std::optional<CameraConfig> camera;
-  std::optional<std::filesystem::path> mask;
+  std::optional<std::filesystem::path> mask_path;
 
   static void fields(auto& self, auto&& field) {
     field("path", self.path,
           "EuRoC sensor.yaml, Kalibr camchain or OpenCV YAML; without it the data set's own");
     field("camera", self.camera, "instead of a file");
-    field("mask", self.mask,
+    field("mask_path", self.mask_path,
           "a picture, black where no world is seen: the aircraft's legs, text, a lens's dark rim");
   }
 };

@@ -60,21 +60,21 @@ Calibration find_calibration(const RunConfig& config, const std::optional<EurocD
 
 std::shared_ptr<const PictureMask> read_mask(const CalibrationConfig& config,
                                              const cv::Size& size) {
-  if (!config.mask) return nullptr;
-  const std::string name = config.mask->string();
+  if (!config.mask_path) return nullptr;
+  const std::string name = config.mask_path->string();
   const cv::Mat grey = cv::imread(name, cv::IMREAD_GRAYSCALE);
   if (grey.empty()) {
-    throw InputError("calibration.mask: " + name +
+    throw InputError("calibration.mask_path: " + name +
                      " is missing or no picture; give a PNG, black where no world is seen");
   }
   if (grey.size() != size) {
-    throw InputError(fmt::format("calibration.mask: {} is {}x{}, the pictures are {}x{}", name,
+    throw InputError(fmt::format("calibration.mask_path: {} is {}x{}, the pictures are {}x{}", name,
                                  grey.cols, grey.rows, size.width, size.height));
   }
   constexpr std::uint8_t kBlack = 127;
   auto mask = std::make_shared<const PictureMask>(grey > kBlack);
   if (mask->hidden_ratio() == 1) {
-    throw InputError("calibration.mask: " + name +
+    throw InputError("calibration.mask_path: " + name +
                      " is black all over; black is what no world is seen in, the rest is white");
   }
   return mask;
@@ -292,7 +292,7 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
 std::vector<std::filesystem::path> named_files(const RunConfig& config) {
   std::vector<std::filesystem::path> files{config.source.path};
   for (const auto& path :
-       {config.calibration.path, config.calibration.mask, config.height.path, config.gyro.path,
+       {config.calibration.path, config.calibration.mask_path, config.height.path, config.gyro.path,
         config.imu.path, config.attitude.path, config.acceleration.path,
         config.truth.path ? find_trajectory(*config.truth.path) : std::nullopt}) {
     if (path) files.push_back(*path);

@@ -141,7 +141,7 @@ TEST_F(Inputs, AMaskIsBlackWhereNoWorldIsSeen) {
   cv::Mat mask(1080, 1920, CV_8UC3, cv::Scalar::all(255));
   mask.rowRange(0, 270) = cv::Scalar::all(0);
   const std::filesystem::path file = folder.path() / "mask.png";
-  config.calibration.mask = file;
+  config.calibration.mask_path = file;
   const auto error_with = [&](const cv::Mat& picture) {
     cv::imwrite(file.string(), picture);
     return error();
