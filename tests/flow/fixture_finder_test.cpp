@@ -156,8 +156,8 @@ TEST(PictureMask, TellsWhichShareOfAWindowIsHidden) {
   // of what lies in the picture
   EXPECT_FLOAT_EQ(mask.hidden_ratio(-0.5F, 0.5F, 4, 2), 1);
   EXPECT_FLOAT_EQ(mask.hidden_ratio(-20, 0, 4, 4), 1);
-  EXPECT_THROW(PictureMask(cv::Mat()), InputError);
-  EXPECT_THROW(PictureMask(cv::Mat(6, 8, CV_8UC3)), InputError);
+  EXPECT_THROW(PictureMask{cv::Mat()}, InputError);
+  EXPECT_THROW(PictureMask{cv::Mat(6, 8, CV_8UC3)}, InputError);
 }
 
 }  // namespace
