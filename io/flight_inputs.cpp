@@ -62,7 +62,9 @@ std::shared_ptr<const PictureMask> read_mask(const CalibrationConfig& config,
                                              const cv::Size& size) {
   if (!config.mask_path) return nullptr;
   const std::string name = config.mask_path->string();
-  const cv::Mat grey = cv::imread(name, cv::IMREAD_GRAYSCALE);
+  // of a missing file OpenCV warns in its own words
+  const bool is_there = std::filesystem::exists(*config.mask_path);
+  const cv::Mat grey = is_there ? cv::imread(name, cv::IMREAD_GRAYSCALE) : cv::Mat();
   if (grey.empty()) {
     throw InputError("calibration.mask_path: " + name +
                      " is missing or no picture; give a PNG, black where no world is seen");
