@@ -1,6 +1,7 @@
 // Recordings whose stamps do not tell what befell them: pictures that were sent again and coded
-// again, a video that stood still, pictures that are missing. A simulated flight is spoiled so,
-// coded, decoded and flown by each policy from its pictures alone.
+// again, a video that stood still, pictures that are missing; and what is fixed to the camera:
+// legs, text. A simulated flight is spoiled so, coded, decoded and flown by each policy from its
+// pictures alone.
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -11,9 +12,11 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "navigation/navigator.hpp"
@@ -32,12 +35,40 @@ struct Flight {
 struct Film {
   std::string name;
   std::vector<std::size_t> shown, meant;
+  std::function<void(cv::Mat&)> paint;  // over each picture, in colour
 };
 
 struct Codec {
   const char* fourcc;
   const char* ending;
 };
+
+// On a fifth of the picture.
+void paint_legs(cv::Mat& picture) {
+  const cv::Size size(picture.cols / 7, picture.rows * 2 / 3);
+  for (const int left : {0, picture.cols - size.width}) {
+    const cv::Rect leg({left, picture.rows - size.height}, size);
+    cv::rectangle(picture, leg, cv::Scalar::all(45), -1);
+    for (int y = leg.y + 20; y < picture.rows; y += 60) {
+      for (int x = left + 20; x < left + leg.width; x += 30) {
+        cv::circle(picture, {x, y}, 8, cv::Scalar::all(200), -1, cv::LINE_AA);
+      }
+    }
+  }
+}
+
+void paint_text(cv::Mat& picture) {
+  const int right = picture.cols - 170, bottom = picture.rows - 20;
+  for (const auto& [text, at] : {std::pair{"REC 00:12", cv::Point(20, 30)},
+                                 {"BAT 15.2V 82%", {right, 30}},
+                                 {"ISO 100 1/500", {20, bottom}},
+                                 {"N 54.12345", {right, bottom}}}) {
+    cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar::all(0), 3,
+                cv::LINE_AA);
+    cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar::all(255), 1,
+                cv::LINE_AA);
+  }
+}
 
 SimulationConfig demo_flight(int seed) {
   SimulationConfig config;
@@ -67,7 +98,7 @@ Flight fly(const SimulationConfig& config) {
 
 std::vector<Film> films(std::size_t count) {
   const auto film = [&](const std::string& name, std::size_t frames, auto&& shown, auto&& meant) {
-    Film made{name, {}, {}};
+    Film made{.name = name, .shown = {}, .meant = {}, .paint = {}};
     for (std::size_t i = 0; i < frames; ++i) {
       made.shown.push_back(shown(i));
       made.meant.push_back(meant(i));
@@ -90,13 +121,20 @@ std::vector<Film> films(std::size_t count) {
     const auto after = [=](std::size_t i) { return i < half ? i : i + frames; };
     return film(fmt::format("{} frames missing", frames), count - frames, after, after);
   };
+  const auto painted = [&](const std::string& name, void (*paint)(cv::Mat&)) {
+    Film made = film(name, count, same, same);
+    made.paint = paint;
+    return made;
+  };
   return {film("as flown", count, same, same),
           repeated(2),
           repeated(3),
           frozen(25),
           frozen(50),
           cut(5),
-          cut(20)};
+          cut(20),
+          painted("legs in view", paint_legs),
+          painted("text in view", paint_text)};
 }
 
 // Grey, as a decoder gives them.
@@ -113,6 +151,7 @@ std::vector<cv::Mat> coded(const Flight& flight, const Film& film, const Codec& 
     cv::Mat colour;
     for (const std::size_t i : film.shown) {
       cv::cvtColor(flight.pictures[i], colour, cv::COLOR_GRAY2BGR);
+      if (film.paint) film.paint(colour);
       writer.write(colour);
     }
   }
@@ -151,7 +190,9 @@ void judge(const Flight& flight, const Film& film, const Codec& codec, Policy po
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Recordings that were sent again, stood still or lost pictures, by each policy");
+  CLI::App app(
+      "Recordings that were sent again, stood still, lost pictures or show legs or text, by each "
+      "policy");
   int seed = 1;
   app.add_option("--seed", seed, "of flight, ground and noise")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
