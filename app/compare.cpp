@@ -21,11 +21,11 @@
 #include "app/run_evaluation.hpp"
 #include "app/run_results.hpp"
 #include "app/variants.hpp"
-#include "io/comparison_report.hpp"
-#include "io/config_printing.hpp"
-#include "io/json_text.hpp"
-#include "io/output_file.hpp"
-#include "io/part_file.hpp"
+#include "io/config/config_printing.hpp"
+#include "io/report/comparison_report.hpp"
+#include "io/results/json_text.hpp"
+#include "io/results/output_file.hpp"
+#include "io/results/part_file.hpp"
 
 namespace stillkite {
 namespace {

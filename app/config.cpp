@@ -6,8 +6,8 @@
 
 #include "app/commands.hpp"
 #include "app/options.hpp"
-#include "io/config_printing.hpp"
-#include "io/run_config.hpp"
+#include "io/config/config_printing.hpp"
+#include "io/config/run_config.hpp"
 
 namespace stillkite {
 namespace {

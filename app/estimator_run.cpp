@@ -12,9 +12,9 @@
 #include "app/run_evaluation.hpp"
 #include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
-#include "io/gyro_check.hpp"
-#include "io/output_file.hpp"
-#include "io/sensor_checks.hpp"
+#include "io/dataset/gyro_check.hpp"
+#include "io/dataset/sensor_checks.hpp"
+#include "io/results/output_file.hpp"
 
 namespace stillkite {
 namespace {

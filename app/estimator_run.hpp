@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "app/overlay_video.hpp"
-#include "io/flight_inputs.hpp"
-#include "io/frame_source.hpp"
-#include "io/run_recorder.hpp"
-#include "io/run_summary.hpp"
+#include "io/dataset/flight_inputs.hpp"
+#include "io/results/run_recorder.hpp"
+#include "io/results/run_summary.hpp"
+#include "io/video/frame_source.hpp"
 #include "navigation/hover_pilot.hpp"
 
 namespace stillkite {

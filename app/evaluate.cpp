@@ -12,10 +12,10 @@
 #include "evaluation/evaluation.hpp"
 #include "geometry/angle.hpp"
 #include "geometry/fields.hpp"
-#include "io/calibration.hpp"
-#include "io/euroc_dataset.hpp"
-#include "io/json_text.hpp"
-#include "io/trajectory_file.hpp"
+#include "io/dataset/calibration.hpp"
+#include "io/dataset/euroc_dataset.hpp"
+#include "io/dataset/trajectory_file.hpp"
+#include "io/results/json_text.hpp"
 
 namespace stillkite {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <iterator>
 
-#include "io/output_file.hpp"
-#include "io/trajectory_file.hpp"
+#include "io/dataset/trajectory_file.hpp"
+#include "io/results/output_file.hpp"
 
 namespace stillkite {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "simulation/simulate.hpp"
+#include "simulation/flight/simulate.hpp"
 
 namespace stillkite {
 

@@ -21,11 +21,11 @@
 #include "app/options.hpp"
 #include "app/results_folder.hpp"
 #include "app/trial_fleet.hpp"
-#include "io/config_printing.hpp"
-#include "io/json_text.hpp"
-#include "io/output_file.hpp"
-#include "io/part_file.hpp"
-#include "simulation/station_path.hpp"
+#include "io/config/config_printing.hpp"
+#include "io/results/json_text.hpp"
+#include "io/results/output_file.hpp"
+#include "io/results/part_file.hpp"
+#include "simulation/hover/station_path.hpp"
 
 namespace stillkite {
 namespace {

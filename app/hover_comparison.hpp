@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "navigation/navigator_config.hpp"
-#include "simulation/hover_trial.hpp"
+#include "simulation/hover/hover_trial.hpp"
 
 namespace stillkite {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "flow/frame.hpp"
-#include "io/hover_report.hpp"
-#include "simulation/hover_trial.hpp"
+#include "io/report/hover_report.hpp"
+#include "simulation/hover/hover_trial.hpp"
 
 namespace stillkite {
 

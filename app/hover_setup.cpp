@@ -5,7 +5,7 @@
 #include <array>
 #include <opencv2/imgcodecs.hpp>
 
-#include "io/config_binding.hpp"
+#include "io/config/config_binding.hpp"
 
 namespace stillkite {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/variants.hpp"
-#include "simulation/hover_trial.hpp"
+#include "simulation/hover/hover_trial.hpp"
 
 namespace stillkite {
 

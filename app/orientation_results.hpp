@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "simulation/hover_trial.hpp"
+#include "simulation/hover/hover_trial.hpp"
 
 namespace stillkite {
 

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "flow/frame.hpp"
-#include "io/overlay.hpp"
-#include "io/video_writer.hpp"
+#include "io/video/overlay.hpp"
+#include "io/video/video_writer.hpp"
 
 namespace stillkite {
 

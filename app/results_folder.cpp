@@ -4,9 +4,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "io/flight_inputs.hpp"
-#include "io/output_file.hpp"
-#include "io/part_file.hpp"
+#include "io/dataset/flight_inputs.hpp"
+#include "io/results/output_file.hpp"
+#include "io/results/part_file.hpp"
 
 namespace stillkite {
 

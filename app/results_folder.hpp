@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "io/run_config.hpp"
+#include "io/config/run_config.hpp"
 
 namespace stillkite {
 

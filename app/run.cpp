@@ -12,8 +12,8 @@
 #include "app/options.hpp"
 #include "app/results_folder.hpp"
 #include "app/run_results.hpp"
-#include "io/json_text.hpp"
-#include "io/part_file.hpp"
+#include "io/results/json_text.hpp"
+#include "io/results/part_file.hpp"
 
 namespace stillkite {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "evaluation/frame_error.hpp"
-#include "io/flight_inputs.hpp"
+#include "io/dataset/flight_inputs.hpp"
 
 namespace stillkite {
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/run_evaluation.hpp"
-#include "io/config_printing.hpp"
-#include "io/json_text.hpp"
-#include "io/report.hpp"
+#include "io/config/config_printing.hpp"
+#include "io/report/report.hpp"
+#include "io/results/json_text.hpp"
 
 namespace stillkite {
 namespace {

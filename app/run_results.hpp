@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
-#include "io/flight_inputs.hpp"
-#include "io/run_config.hpp"
-#include "io/run_recorder.hpp"
-#include "io/run_summary.hpp"
+#include "io/config/run_config.hpp"
+#include "io/dataset/flight_inputs.hpp"
+#include "io/results/run_recorder.hpp"
+#include "io/results/run_summary.hpp"
 
 namespace stillkite {
 

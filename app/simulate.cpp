@@ -12,13 +12,13 @@
 #include "app/interrupt.hpp"
 #include "app/options.hpp"
 #include "app/progress_bar.hpp"
-#include "io/config_binding.hpp"
-#include "io/config_node.hpp"
-#include "io/config_printing.hpp"
-#include "io/output_file.hpp"
-#include "io/output_folder.hpp"
-#include "io/video_writer.hpp"
-#include "simulation/simulate.hpp"
+#include "io/config/config_binding.hpp"
+#include "io/config/config_node.hpp"
+#include "io/config/config_printing.hpp"
+#include "io/results/output_file.hpp"
+#include "io/results/output_folder.hpp"
+#include "io/video/video_writer.hpp"
+#include "simulation/flight/simulate.hpp"
 
 namespace stillkite {
 

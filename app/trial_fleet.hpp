@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/progress_bar.hpp"
-#include "io/hover_report.hpp"
-#include "simulation/hover_trial.hpp"
+#include "io/report/hover_report.hpp"
+#include "simulation/hover/hover_trial.hpp"
 
 namespace stillkite {
 

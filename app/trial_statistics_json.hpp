@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/hover_trial.hpp"
+#include "simulation/hover/hover_trial.hpp"
 
 namespace stillkite {
 

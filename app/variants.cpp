@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "io/config_binding.hpp"
+#include "io/config/config_binding.hpp"
 
 namespace stillkite {
 namespace {

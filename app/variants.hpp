@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io/run_config.hpp"
+#include "io/config/run_config.hpp"
 
 namespace stillkite {
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "estimation/motion_field.hpp"
+#include "estimation/ego_motion/motion_field.hpp"
 
 namespace stillkite::bench {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "geometry/rigid_transform.hpp"
-#include "simulation/bench_scene.hpp"
+#include "simulation/flight/bench_scene.hpp"
 
 namespace stillkite::bench {
 

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "navigation/navigator.hpp"
-#include "simulation/simulate.hpp"
+#include "simulation/flight/simulate.hpp"
 
 namespace {
 

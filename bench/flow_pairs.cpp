@@ -9,7 +9,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
-#include "simulation/bench_scene.hpp"
+#include "simulation/flight/bench_scene.hpp"
 
 namespace stillkite::bench {
 namespace {

@@ -16,7 +16,7 @@
 #include "bench/hold_contestants.hpp"
 #include "bench/hover_imu.hpp"
 #include "simulation/random.hpp"
-#include "simulation/room_scene.hpp"
+#include "simulation/scene/room_scene.hpp"
 
 namespace stillkite::bench {
 namespace {

@@ -13,8 +13,8 @@
 #include <optional>
 #include <vector>
 
-#include "simulation/hover_plant.hpp"
-#include "simulation/hover_sensors.hpp"
+#include "simulation/hover/hover_plant.hpp"
+#include "simulation/hover/hover_sensors.hpp"
 #include "simulation/random.hpp"
 #include "stabilization/hold_controller.hpp"
 

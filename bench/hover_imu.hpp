@@ -4,7 +4,7 @@
 
 #include "bench/hover_views.hpp"
 #include "navigation/sensor_readings.hpp"
-#include "simulation/sensors.hpp"
+#include "simulation/flight/sensors.hpp"
 
 namespace stillkite::bench {
 

@@ -8,9 +8,9 @@
 #include "bench/processor_watch.hpp"
 #include "geometry/angle.hpp"
 #include "simulation/camera_mount.hpp"
-#include "simulation/develop.hpp"
-#include "simulation/patch_renderer.hpp"
-#include "simulation/plant_config.hpp"
+#include "simulation/hover/plant_config.hpp"
+#include "simulation/render/develop.hpp"
+#include "simulation/render/patch_renderer.hpp"
 
 namespace stillkite::bench {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "evaluation/chi_square.hpp"
-#include "tests/estimation/landmark_flight.hpp"
+#include "tests/estimation/fusion/landmark_flight.hpp"
 
 namespace {
 

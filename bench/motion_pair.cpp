@@ -14,9 +14,9 @@
 #include <optional>
 
 #include "cramer_rao.hpp"
-#include "estimation/keyframe_pose.hpp"
-#include "estimation/least_squares.hpp"
-#include "estimation/motion_filter.hpp"
+#include "estimation/ego_motion/least_squares.hpp"
+#include "estimation/ego_motion/motion_filter.hpp"
+#include "estimation/plane/keyframe_pose.hpp"
 #include "flow/dense_lucas_kanade.hpp"
 #include "flow/flow_window_sampler.hpp"
 #include "flow/opencv_flow.hpp"

@@ -11,9 +11,9 @@
 #include <map>
 #include <opencv2/core/utility.hpp>
 
-#include "estimation/opencv_relative_pose.hpp"
-#include "estimation/relative_pose_estimator.hpp"
-#include "tests/estimation/two_view_scene.hpp"
+#include "estimation/two_view/opencv_relative_pose.hpp"
+#include "estimation/two_view/relative_pose_estimator.hpp"
+#include "tests/estimation/two_view/two_view_scene.hpp"
 
 namespace stillkite::bench {
 namespace {

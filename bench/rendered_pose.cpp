@@ -17,11 +17,11 @@
 #include "navigation/navigator.hpp"
 #include "navigation/stop_watch.hpp"
 #include "simulation/camera_mount.hpp"
-#include "simulation/develop.hpp"
-#include "simulation/patch_renderer.hpp"
-#include "simulation/plant_config.hpp"
+#include "simulation/hover/plant_config.hpp"
 #include "simulation/random.hpp"
-#include "simulation/room_scene.hpp"
+#include "simulation/render/develop.hpp"
+#include "simulation/render/patch_renderer.hpp"
+#include "simulation/scene/room_scene.hpp"
 
 namespace {
 

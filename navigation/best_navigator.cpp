@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/error_state.hpp"
-#include "estimation/ground_relief.hpp"
+#include "estimation/fusion/error_state.hpp"
+#include "estimation/two_view/ground_relief.hpp"
 #include "navigation/motion_from_pose.hpp"
 #include "navigation/motion_from_start.hpp"
 #include "navigation/stop_watch.hpp"

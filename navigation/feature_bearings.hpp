@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/relative_pose.hpp"
+#include "estimation/two_view/relative_pose.hpp"
 #include "flow/feature_tracker.hpp"
 #include "geometry/camera.hpp"
 #include "navigation/window_flow.hpp"

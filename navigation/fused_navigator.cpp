@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/ground_relief.hpp"
+#include "estimation/two_view/ground_relief.hpp"
 #include "geometry/plane.hpp"
 #include "navigation/fusion_setup.hpp"
 #include "navigation/inertial_steps.hpp"

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/fusion_filter.hpp"
+#include "estimation/fusion/fusion_filter.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/fused_velocity.hpp"
 #include "navigation/keyframe_navigator.hpp"

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "estimation/covariance_intersection.hpp"
-#include "estimation/fusion_filter.hpp"
+#include "estimation/fusion/fusion_filter.hpp"
 #include "navigation/navigation_estimate.hpp"
 
 namespace stillkite {

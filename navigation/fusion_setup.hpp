@@ -1,6 +1,6 @@
 #pragma once
 
-#include "estimation/fusion_state.hpp"
+#include "estimation/fusion/fusion_state.hpp"
 #include "navigation/navigator_config.hpp"
 #include "navigation/sensor_readings.hpp"
 

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "estimation/fusion_filter.hpp"
+#include "estimation/fusion/fusion_filter.hpp"
 #include "geometry/time.hpp"
 #include "navigation/sensor_readings.hpp"
 

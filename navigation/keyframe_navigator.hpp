@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/keyframe_view.hpp"
-#include "estimation/plane_alignment.hpp"
+#include "estimation/plane/keyframe_view.hpp"
+#include "estimation/plane/plane_alignment.hpp"
 #include "flow/pyramid.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/navigation_estimate.hpp"

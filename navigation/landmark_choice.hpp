@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/fusion_filter.hpp"
-#include "estimation/running_ratio.hpp"
+#include "estimation/fusion/fusion_filter.hpp"
+#include "estimation/fusion/running_ratio.hpp"
 #include "navigation/feature_bearings.hpp"
 
 namespace stillkite {

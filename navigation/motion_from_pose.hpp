@@ -1,7 +1,7 @@
 #pragma once
 
 #include "estimation/motion_estimate.hpp"
-#include "estimation/relative_pose.hpp"
+#include "estimation/two_view/relative_pose.hpp"
 
 namespace stillkite {
 

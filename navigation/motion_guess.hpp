@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "estimation/motion_filter.hpp"
-#include "estimation/plane_motion.hpp"
+#include "estimation/ego_motion/motion_filter.hpp"
+#include "estimation/ego_motion/plane_motion.hpp"
 #include "flow/picture_search.hpp"
 #include "geometry/camera.hpp"
 

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "estimation/motion_estimate.hpp"
-#include "estimation/relative_pose.hpp"
 #include "estimation/twist.hpp"
+#include "estimation/two_view/relative_pose.hpp"
 #include "estimation/verdict.hpp"
 #include "geometry/rigid_transform.hpp"
 #include "geometry/time.hpp"

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "estimation/fusion_config.hpp"
-#include "estimation/keyframe_pose.hpp"
-#include "estimation/motion_filter.hpp"
-#include "estimation/plane_alignment.hpp"
+#include "estimation/ego_motion/motion_filter.hpp"
+#include "estimation/fusion/fusion_config.hpp"
+#include "estimation/plane/keyframe_pose.hpp"
+#include "estimation/plane/plane_alignment.hpp"
 #include "geometry/fields.hpp"
 #include "navigation/paper_config.hpp"
 #include "navigation/reference_config.hpp"

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <utility>
 
-#include "estimation/kalman_filter.hpp"
-#include "estimation/least_squares_config.hpp"
+#include "estimation/ego_motion/kalman_filter.hpp"
+#include "estimation/ego_motion/least_squares_config.hpp"
 #include "flow/dense_lucas_kanade.hpp"
 #include "geometry/fields.hpp"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/integration.hpp"
-#include "estimation/motion_field.hpp"
+#include "estimation/ego_motion/integration.hpp"
+#include "estimation/ego_motion/motion_field.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/picture_texture.hpp"
 #include "navigation/stop_watch.hpp"

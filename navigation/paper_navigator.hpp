@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "estimation/kalman_filter.hpp"
-#include "estimation/least_squares.hpp"
+#include "estimation/ego_motion/kalman_filter.hpp"
+#include "estimation/ego_motion/least_squares.hpp"
 #include "flow/flow_window_sampler.hpp"
 #include "flow/pyramid.hpp"
 #include "navigation/dense_flow.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "estimation/keyframe_pose.hpp"
-#include "estimation/motion_filter.hpp"
+#include "estimation/ego_motion/motion_filter.hpp"
+#include "estimation/plane/keyframe_pose.hpp"
 #include "navigation/navigator_config.hpp"
 #include "navigation/sensor_readings.hpp"
 #include "navigation/sensor_update.hpp"

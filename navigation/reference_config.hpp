@@ -1,8 +1,8 @@
 #pragma once
 
-#include "estimation/opencv_relative_pose.hpp"
-#include "estimation/relative_pose_config.hpp"
-#include "estimation/rotation_gate.hpp"
+#include "estimation/two_view/opencv_relative_pose.hpp"
+#include "estimation/two_view/relative_pose_config.hpp"
+#include "estimation/two_view/rotation_gate.hpp"
 #include "flow/feature_detection.hpp"
 #include "flow/feature_tracker.hpp"
 #include "flow/opencv_feature_tracker.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "estimation/relative_pose_estimator.hpp"
+#include "estimation/two_view/relative_pose_estimator.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/motion_from_pose.hpp"
 #include "navigation/stop_watch.hpp"

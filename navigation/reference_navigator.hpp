@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/relative_pose.hpp"
-#include "estimation/rotation_gate.hpp"
+#include "estimation/two_view/relative_pose.hpp"
+#include "estimation/two_view/rotation_gate.hpp"
 #include "geometry/camera.hpp"
 #include "navigation/feature_association.hpp"
 #include "navigation/feature_bearings.hpp"

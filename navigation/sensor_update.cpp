@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/error_state.hpp"
+#include "estimation/fusion/error_state.hpp"
 
 namespace stillkite {
 namespace {

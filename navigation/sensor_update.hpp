@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "estimation/keyframe_pose.hpp"
+#include "estimation/plane/keyframe_pose.hpp"
 #include "geometry/time.hpp"
 #include "navigation/navigator_config.hpp"
 #include "navigation/sensor_readings.hpp"

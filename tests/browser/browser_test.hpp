@@ -7,7 +7,7 @@
 #include <regex>
 #include <string>
 
-#include "headless_browser.hpp"
+#include "tests/browser/headless_browser.hpp"
 #include "tests/io/temporary_folder.hpp"
 
 namespace stillkite {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "browser_test.hpp"
-#include "synthetic_comparison.hpp"
+#include "tests/browser/browser_test.hpp"
+#include "tests/browser/synthetic_comparison.hpp"
 
 namespace stillkite {
 namespace {

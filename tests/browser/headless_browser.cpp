@@ -1,4 +1,4 @@
-#include "headless_browser.hpp"
+#include "tests/browser/headless_browser.hpp"
 
 #include <cstdlib>
 #include <fstream>

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "browser_test.hpp"
-#include "synthetic_trials.hpp"
+#include "tests/browser/browser_test.hpp"
+#include "tests/browser/synthetic_trials.hpp"
 
 namespace stillkite {
 namespace {

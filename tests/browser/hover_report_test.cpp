@@ -1,13 +1,13 @@
-#include "io/hover_report.hpp"
+#include "io/report/hover_report.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <limits>
 
-#include "io/base64.hpp"
-#include "io/hover_distribution.hpp"
-#include "synthetic_trials.hpp"
+#include "io/report/base64.hpp"
+#include "io/report/hover_distribution.hpp"
+#include "tests/browser/synthetic_trials.hpp"
 
 namespace stillkite {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "browser_test.hpp"
-#include "synthetic_flight.hpp"
+#include "tests/browser/browser_test.hpp"
+#include "tests/browser/synthetic_flight.hpp"
 
 namespace stillkite {
 namespace {

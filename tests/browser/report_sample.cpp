@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <iostream>
 
-#include "synthetic_flight.hpp"
-#include "synthetic_trials.hpp"
+#include "tests/browser/synthetic_flight.hpp"
+#include "tests/browser/synthetic_trials.hpp"
 
 namespace {
 

@@ -1,14 +1,14 @@
-#include "io/report.hpp"
+#include "io/report/report.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "io/base64.hpp"
-#include "io/decimation.hpp"
-#include "io/report_series.hpp"
-#include "synthetic_flight.hpp"
+#include "io/report/base64.hpp"
+#include "io/report/decimation.hpp"
+#include "io/report/report_series.hpp"
+#include "tests/browser/synthetic_flight.hpp"
 
 namespace stillkite {
 namespace {

@@ -3,8 +3,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "io/comparison_report.hpp"
-#include "synthetic_flight.hpp"
+#include "io/report/comparison_report.hpp"
+#include "tests/browser/synthetic_flight.hpp"
 
 namespace stillkite {
 

@@ -1,4 +1,4 @@
-#include "synthetic_flight.hpp"
+#include "tests/browser/synthetic_flight.hpp"
 
 #include <cmath>
 #include <random>

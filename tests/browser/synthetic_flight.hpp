@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/report.hpp"
+#include "io/report/report.hpp"
 
 namespace stillkite {
 

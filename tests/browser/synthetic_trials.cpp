@@ -1,4 +1,4 @@
-#include "synthetic_trials.hpp"
+#include "tests/browser/synthetic_trials.hpp"
 
 #include <algorithm>
 #include <array>

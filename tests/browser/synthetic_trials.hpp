@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "io/hover_report.hpp"
+#include "io/report/hover_report.hpp"
 
 namespace stillkite {
 

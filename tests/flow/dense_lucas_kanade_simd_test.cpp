@@ -3,8 +3,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "analytic_image.hpp"
 #include "flow/dense_lucas_kanade.hpp"
+#include "tests/flow/analytic_image.hpp"
 
 namespace stillkite {
 namespace {

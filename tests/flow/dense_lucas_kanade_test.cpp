@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 
-#include "analytic_image.hpp"
+#include "tests/flow/analytic_image.hpp"
 
 namespace stillkite {
 namespace {

@@ -9,9 +9,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "analytic_image.hpp"
 #include "flow/feature_detection.hpp"
 #include "flow/opencv_feature_tracker.hpp"
+#include "tests/flow/analytic_image.hpp"
 
 namespace stillkite {
 namespace {

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "analytic_image.hpp"
+#include "tests/flow/analytic_image.hpp"
 
 namespace stillkite {
 namespace {

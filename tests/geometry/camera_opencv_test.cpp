@@ -4,7 +4,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "geometry/camera.hpp"
-#include "sample_cameras.hpp"
+#include "tests/geometry/sample_cameras.hpp"
 
 namespace stillkite {
 namespace {

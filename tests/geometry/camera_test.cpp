@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sample_cameras.hpp"
+#include "tests/geometry/sample_cameras.hpp"
 
 namespace stillkite {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "geometry/rigid_transform.hpp"
-#include "random_values.hpp"
+#include "tests/geometry/random_values.hpp"
 
 namespace stillkite {
 namespace {

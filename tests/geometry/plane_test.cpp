@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "random_values.hpp"
+#include "tests/geometry/random_values.hpp"
 
 namespace stillkite {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "random_values.hpp"
+#include "tests/geometry/random_values.hpp"
 
 namespace stillkite {
 namespace {

@@ -1,4 +1,4 @@
-#include "floor_plan.hpp"
+#include "tests/house/floor_plan.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -88,6 +88,45 @@ FloorPlan parse_floor_plan(std::string_view markdown) {
         .library_prefixes = quoted_by_backticks(cells[4])};
   }
   return plan;
+}
+
+WingPlan parse_wing_plan(std::string_view markdown) {
+  WingPlan plan;
+  for (const std::string_view line : split(markdown, '\n')) {
+    const std::vector<std::string_view> cells = split(line, '|');
+    if (cells.size() != 5) continue;
+    const std::vector<std::string> folder = quoted_by_backticks(cells[1]);
+    if (folder.size() != 1 || std::ranges::count(folder.front(), '/') != 2) continue;
+    const std::string wing = folder.front().substr(0, folder.front().size() - 1);
+    std::vector<std::string>& permitted = plan[wing];
+    for (const std::string& other : quoted_by_backticks(cells[3])) {
+      permitted.push_back(other.substr(0, other.size() - 1));
+    }
+  }
+  return plan;
+}
+
+std::vector<std::string> forbidden_wing_includes(const WingPlan& plan, const std::string& folder,
+                                                 const std::string& wing, std::string_view source) {
+  std::vector<std::string> complaints;
+  int number = 0;
+  for (const std::string_view line : split(source, '\n')) {
+    ++number;
+    const std::optional<Include> include = include_of(line);
+    if (!include || !include->quoted || !include->header.starts_with(folder + '/')) continue;
+    const std::string_view inside = std::string_view(include->header).substr(folder.size() + 1);
+    const std::size_t slash = inside.find('/');
+    if (slash == std::string_view::npos || inside.substr(0, slash) == wing) continue;
+    const std::string target(inside.substr(0, slash));
+    const auto own = plan.find(folder + '/' + wing);
+    const bool permitted =
+        own != plan.end() && std::ranges::find(own->second, target) != own->second.end();
+    if (permitted) continue;
+    complaints.push_back("line " + std::to_string(number) + ": " + include->header +
+                         (wing.empty() ? " leads from the folder into a wing"
+                                       : " is not permitted in the wing " + wing));
+  }
+  return complaints;
 }
 
 std::vector<std::string> forbidden_includes(const FloorPlan& plan, const std::string& folder,

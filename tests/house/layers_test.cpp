@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "floor_plan.hpp"
+#include "tests/house/floor_plan.hpp"
 
 namespace stillkite::house {
 namespace {
@@ -41,6 +41,46 @@ TEST(layers, every_include_obeys_the_floor_plan) {
     }
   }
   EXPECT_GT(sources, 0);
+}
+
+// estimation/two_view/homography.cpp: "two_view"; estimation/verdict.hpp: "".
+std::string wing_of(const fs::path& file, const std::string& folder) {
+  const fs::path inside = fs::relative(file, kRoot / folder);
+  return inside.has_parent_path() ? inside.begin()->string() : "";
+}
+
+TEST(layers, EveryIncludeBetweenWingsObeysTheWingPlan) {
+  const FloorPlan plan = plan_of_the_house();
+  const WingPlan wings = parse_wing_plan(text_of(kRoot / "docs/architecture.md"));
+  ASSERT_TRUE(wings.contains("estimation/two_view"));
+  for (const auto& [folder, floor] : plan) {
+    if (!fs::exists(kRoot / folder)) continue;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+      if (!is_source(entry.path())) continue;
+      const std::string wing = wing_of(entry.path(), folder);
+      EXPECT_TRUE(wing.empty() || wings.contains(folder + "/" + wing))
+          << folder << "/" << wing << "/ is missing in docs/architecture.md";
+      for (const std::string& complaint :
+           forbidden_wing_includes(wings, folder, wing, text_of(entry.path()))) {
+        ADD_FAILURE() << fs::relative(entry.path(), kRoot).string() << " " << complaint;
+      }
+    }
+  }
+}
+
+TEST(layers, AWingIncludesItselfItsFolderAndTheWingsItNames) {
+  const WingPlan plan = parse_wing_plan(
+      "| wing | contents | may include |\n"
+      "| `numbers/sums/` | sums | |\n"
+      "| `numbers/means/` | means | `sums/` |\n");
+  const auto complaints = [&](const std::string& wing, const std::string& include) {
+    return forbidden_wing_includes(plan, "numbers", wing, "#include \"" + include + "\"\n").size();
+  };
+  EXPECT_EQ(complaints("means", "numbers/sums/a.hpp"), 0U);
+  EXPECT_EQ(complaints("means", "numbers/means/a.hpp"), 0U);
+  EXPECT_EQ(complaints("means", "numbers/a.hpp"), 0U);
+  EXPECT_EQ(complaints("sums", "numbers/means/a.hpp"), 1U);
+  EXPECT_EQ(complaints("", "numbers/sums/a.hpp"), 1U);
 }
 
 TEST(layers, every_folder_with_a_library_is_in_the_floor_plan) {

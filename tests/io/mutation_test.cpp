@@ -4,12 +4,12 @@
 #include <functional>
 #include <random>
 
-#include "io/calibration.hpp"
-#include "io/config_binding.hpp"
-#include "io/run_config.hpp"
-#include "io/sensor_log.hpp"
-#include "io/trajectory_file.hpp"
-#include "temporary_folder.hpp"
+#include "io/config/config_binding.hpp"
+#include "io/config/run_config.hpp"
+#include "io/dataset/calibration.hpp"
+#include "io/dataset/sensor_log.hpp"
+#include "io/dataset/trajectory_file.hpp"
+#include "tests/io/temporary_folder.hpp"
 
 namespace stillkite {
 namespace {

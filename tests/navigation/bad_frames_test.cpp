@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {
 namespace {

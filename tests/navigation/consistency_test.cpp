@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 // Are errors as large as the covariance says? NEES over flights with grounds, noise and ways of
 // their own; 3 for an honest covariance of three axes, known here to a factor of two for the errors

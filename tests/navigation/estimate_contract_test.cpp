@@ -6,10 +6,10 @@
 #include <functional>
 #include <opencv2/core.hpp>
 
-#include "estimate_error.hpp"
 #include "evaluation/chi_square.hpp"
 #include "geometry/angle.hpp"
-#include "known_flight.hpp"
+#include "tests/navigation/estimate_error.hpp"
+#include "tests/navigation/known_flight.hpp"
 
 // One contract for all estimators: whoever looks at the pictures, the controller is told the same
 // motion in the same frame, sign and unit, or the status that docs/choice.md names.

@@ -6,7 +6,7 @@
 
 #include "estimation/motion_estimate.hpp"
 #include "geometry/angle.hpp"
-#include "known_flight.hpp"
+#include "tests/navigation/known_flight.hpp"
 
 // The motions of the contract, and by how much an answer misses one of them.
 

@@ -4,11 +4,11 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "estimate_error.hpp"
 #include "evaluation/chi_square.hpp"
-#include "known_flight.hpp"
-#include "simulation/procedural_ground.hpp"
 #include "simulation/random.hpp"
+#include "simulation/scene/procedural_ground.hpp"
+#include "tests/navigation/estimate_error.hpp"
+#include "tests/navigation/known_flight.hpp"
 
 // What the controller is told of its own error: never wrong and sure of it.
 

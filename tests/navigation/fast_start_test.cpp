@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "navigation/keyframe_navigator.hpp"
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {
 namespace {

@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <random>
 
-#include "estimation/relative_pose_estimator.hpp"
+#include "estimation/two_view/relative_pose_estimator.hpp"
 #include "geometry/rigid_transform.hpp"
 #include "tests/navigation/small_camera.hpp"
 

@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "flow/picture_mask.hpp"
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 // What is fixed to the camera: legs on a fifth of the picture, with bolts on them.
 

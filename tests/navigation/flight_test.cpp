@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "geometry/angle.hpp"
 #include "navigation/navigator.hpp"
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {
 namespace {

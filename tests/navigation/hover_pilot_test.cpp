@@ -6,8 +6,8 @@
 
 #include "geometry/angle.hpp"
 #include "simulation/camera_mount.hpp"
-#include "simulation/develop.hpp"
-#include "simulation/hover_trial.hpp"
+#include "simulation/hover/hover_trial.hpp"
+#include "simulation/render/develop.hpp"
 #include "stabilization/tether_rates.hpp"
 
 namespace stillkite {

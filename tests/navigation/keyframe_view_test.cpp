@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "estimation/keyframe_pose.hpp"
+#include "estimation/plane/keyframe_pose.hpp"
 #include "navigation/keyframe_navigator.hpp"
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {
 namespace {

@@ -8,10 +8,10 @@
 
 #include "navigation/hover_pilot.hpp"
 #include "simulation/camera_mount.hpp"
-#include "simulation/develop.hpp"
-#include "simulation/procedural_ground.hpp"
-#include "simulation/renderer.hpp"
-#include "small_camera.hpp"
+#include "simulation/render/develop.hpp"
+#include "simulation/render/renderer.hpp"
+#include "simulation/scene/procedural_ground.hpp"
+#include "tests/navigation/small_camera.hpp"
 
 namespace stillkite::test {
 

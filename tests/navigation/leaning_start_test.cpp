@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "navigation/navigator.hpp"
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {
 namespace {

@@ -8,10 +8,10 @@
 #include "geometry/angle.hpp"
 #include "navigation/navigator.hpp"
 #include "simulation/camera_mount.hpp"
-#include "simulation/develop.hpp"
-#include "simulation/patch_renderer.hpp"
-#include "simulation/room_scene.hpp"
-#include "small_camera.hpp"
+#include "simulation/render/develop.hpp"
+#include "simulation/render/patch_renderer.hpp"
+#include "simulation/scene/room_scene.hpp"
+#include "tests/navigation/small_camera.hpp"
 
 namespace stillkite {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "flow/frame.hpp"
 #include "navigation/navigator.hpp"
-#include "simulation/simulate.hpp"
+#include "simulation/flight/simulate.hpp"
 
 namespace stillkite::test {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rendered_flight.hpp"
+#include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "hold_scene.hpp"
 #include "stabilization/hold_controller.hpp"
+#include "tests/stabilization/hold_scene.hpp"
 
 namespace stillkite {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "geometry/angle.hpp"
-#include "hold_scene.hpp"
 #include "stabilization/tether_rates.hpp"
+#include "tests/stabilization/hold_scene.hpp"
 
 namespace stillkite {
 namespace {

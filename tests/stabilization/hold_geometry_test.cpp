@@ -5,10 +5,10 @@
 #include <random>
 
 #include "geometry/angle.hpp"
-#include "hold_scene.hpp"
 #include "stabilization/hold_controller.hpp"
 #include "stabilization/hold_errors.hpp"
 #include "stabilization/tether_rates.hpp"
+#include "tests/stabilization/hold_scene.hpp"
 
 namespace stillkite {
 namespace {

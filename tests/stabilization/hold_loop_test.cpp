@@ -9,8 +9,8 @@
 #include <random>
 
 #include "geometry/angle.hpp"
-#include "hold_scene.hpp"
 #include "stabilization/hold_controller.hpp"
+#include "tests/stabilization/hold_scene.hpp"
 
 namespace stillkite {
 namespace {

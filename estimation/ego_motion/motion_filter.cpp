@@ -1,0 +1,180 @@
+#include "estimation/ego_motion/motion_filter.hpp"
+
+#include <Eigen/Cholesky>
+
+namespace stillkite {
+namespace {
+
+// The way of a shorter interval is lost in rounding.
+constexpr double kShortest_s = 1e-6;
+
+}  // namespace
+
+MotionFilter::MotionFilter(const MotionFilterConfig& config) : config_(config) {}
+
+void MotionFilter::start(const RigidTransform& pose, double velocity_sigma_m_s,
+                         double rate_sigma_rad_s) {
+  pose_ = pose;
+  P_.setZero();
+  forget_speed(velocity_sigma_m_s, rate_sigma_rad_s);
+}
+
+void MotionFilter::take_as_origin() {
+  previous_covariance_ = way_covariance();
+  previous_with_state_.setZero();
+  P_.topRows<6>().setZero();
+  P_.leftCols<6>().setZero();
+}
+
+void MotionFilter::forget_speed(double velocity_sigma_m_s, double rate_sigma_rad_s) {
+  velocity_in_world_.setZero();
+  rate_in_camera_.setZero();
+  interval_s_ = 0;
+  P_.bottomRows<6>().setZero();
+  P_.rightCols<6>().setZero();
+  P_.diagonal().segment<3>(6).setConstant(velocity_sigma_m_s * velocity_sigma_m_s);
+  P_.diagonal().segment<3>(9).setConstant(rate_sigma_rad_s * rate_sigma_rad_s);
+}
+
+void MotionFilter::predict(double dt_s) {
+  const Eigen::Matrix3d R = pose_.rotation.toRotationMatrix();
+  previous_pose_ = pose_;
+  previous_covariance_ = pose_covariance();
+  pose_ = {(pose_.rotation * so3_exp(rate_in_camera_ * dt_s)).normalized(),
+           pose_.translation + velocity_in_world_ * dt_s};
+  interval_s_ = dt_s;
+  Matrix12d F = Matrix12d::Identity();
+  F.block<3, 3>(0, 6).diagonal().setConstant(dt_s);
+  F.block<3, 3>(3, 9) = R * dt_s;
+
+  // white acceleration over dt: [dt^3/3, dt^2/2; dt^2/2, dt] q^2
+  Matrix12d Q = Matrix12d::Zero();
+  const double dt2 = dt_s * dt_s / 2;
+  const double dt3 = dt_s * dt_s * dt_s / 3;
+  const double qv = config_.acceleration_density * config_.acceleration_density;
+  const double qw = config_.angular_acceleration_density * config_.angular_acceleration_density;
+  Q.block<3, 3>(0, 0).diagonal().setConstant(qv * dt3);
+  Q.block<3, 3>(0, 6).diagonal().setConstant(qv * dt2);
+  Q.block<3, 3>(6, 0).diagonal().setConstant(qv * dt2);
+  Q.block<3, 3>(6, 6).diagonal().setConstant(qv * dt_s);
+  Q.block<3, 3>(3, 3).diagonal().setConstant(qw * dt3);
+  Q.block<3, 3>(3, 9) = R * (qw * dt2);
+  Q.block<3, 3>(9, 3) = R.transpose() * (qw * dt2);
+  Q.block<3, 3>(9, 9).diagonal().setConstant(qw * dt_s);
+
+  const Matrix12d PFt = P_ * F.transpose();
+  previous_with_state_ = PFt.topRows<6>();
+  P_ = F * PFt + Q;
+}
+
+template <int kRows>
+void MotionFilter::correct(const Eigen::Matrix<double, kRows, 12>& H,
+                           const Eigen::Matrix<double, kRows, 1>& innovation,
+                           const Eigen::Matrix<double, kRows, kRows>& covariance) {
+  using Gain = Eigen::Matrix<double, 12, kRows>;
+  const Gain PHt = P_ * H.transpose();
+  const Eigen::Matrix<double, kRows, kRows> S = H * PHt + covariance;
+  const Eigen::LDLT<Eigen::Matrix<double, kRows, kRows>> ldlt(S);
+  const Gain K = ldlt.solve(PHt.transpose()).transpose();
+  const Vector12d correction = K * innovation;
+  // the smoother's gain on the same innovation: cov(pose_{j-1}, z) S^-1
+  const Eigen::Matrix<double, 6, kRows> back_PHt = previous_with_state_ * H.transpose();
+  const Vector6d back = back_PHt * ldlt.solve(innovation);
+
+  pose_.translation += correction.head<3>();
+  pose_.rotation = (so3_exp(correction.segment<3>(3)) * pose_.rotation).normalized();
+  velocity_in_world_ += correction.segment<3>(6);
+  rate_in_camera_ += correction.tail<3>();
+  previous_pose_.translation += back.head<3>();
+  previous_pose_.rotation = (so3_exp(back.tail<3>()) * previous_pose_.rotation).normalized();
+
+  // Joseph form keeps P symmetric and positive
+  const Matrix12d I_KH = Matrix12d::Identity() - K * H;
+  const Matrix12d P = I_KH * P_ * I_KH.transpose() + K * covariance * K.transpose();
+  P_ = 0.5 * (P + P.transpose());
+  previous_covariance_ -= back_PHt * ldlt.solve(back_PHt.transpose());
+  previous_with_state_ = previous_with_state_ * I_KH.transpose();
+}
+
+void MotionFilter::update(const RigidTransform& measured_pose, const Matrix6d& covariance) {
+  update(measured_pose, covariance, twist_in_camera(), Matrix6d::Zero());
+}
+
+void MotionFilter::update(const RigidTransform& measured_pose, const Matrix6d& covariance,
+                          const Twist& assumed_twist, const Matrix6d& pose_by_twist) {
+  Vector6d innovation;
+  innovation << measured_pose.translation - pose_.translation,
+      so3_log(measured_pose.rotation * pose_.rotation.conjugate());
+  innovation -= pose_by_twist * (assumed_twist.vector() - twist_in_camera().vector());
+  PoseWithState H;
+  H << Matrix6d::Identity(),
+      -pose_by_twist.leftCols<3>() * pose_.rotation.conjugate().toRotationMatrix(),
+      -pose_by_twist.rightCols<3>();
+  correct<6>(H, innovation, covariance);
+}
+
+void MotionFilter::update_rate(const Eigen::Vector3d& measured_rate_rad_s,
+                               const Eigen::Matrix3d& covariance) {
+  Eigen::Matrix<double, 3, 12> H = Eigen::Matrix<double, 3, 12>::Zero();
+  H.rightCols<3>().setIdentity();
+  correct<3>(H, measured_rate_rad_s - rate_in_camera_, covariance);
+}
+
+void MotionFilter::transform_world(const RigidTransform& change) {
+  pose_ = change * pose_;
+  previous_pose_ = change * previous_pose_;
+  velocity_in_world_ = change.rotation * velocity_in_world_;
+  const Eigen::Matrix3d R = change.rotation.toRotationMatrix();
+  Matrix12d J = Matrix12d::Identity();
+  for (const int at : {0, 3, 6}) J.block<3, 3>(at, at) = R;
+  transform_errors(J);
+}
+
+void MotionFilter::stretch_world(double factor) {
+  pose_.translation *= factor;
+  previous_pose_.translation *= factor;
+  velocity_in_world_ *= factor;
+  Matrix12d J = Matrix12d::Identity();
+  for (const int at : {0, 6}) J.block<3, 3>(at, at) *= factor;
+  transform_errors(J);
+}
+
+void MotionFilter::transform_errors(const Matrix12d& by) {
+  const Matrix6d of_pose = by.topLeftCorner<6, 6>();
+  P_ = by * P_ * by.transpose();
+  previous_covariance_ = of_pose * previous_covariance_ * of_pose.transpose();
+  previous_with_state_ = of_pose * previous_with_state_ * by.transpose();
+}
+
+Twist MotionFilter::twist_in_camera() const {
+  return {pose_.rotation.conjugate() * velocity_in_world_, rate_in_camera_};
+}
+
+Matrix6d MotionFilter::twist_covariance() const {
+  Matrix6d J = Matrix6d::Identity();
+  J.topLeftCorner<3, 3>() = pose_.rotation.conjugate().toRotationMatrix();
+  return J * P_.bottomRightCorner<6, 6>() * J.transpose();
+}
+
+Twist MotionFilter::mean_twist_in_camera() const {
+  if (interval_s_ < kShortest_s) return twist_in_camera();
+  const Eigen::Vector3d turn = so3_log(previous_pose_.rotation.conjugate() * pose_.rotation);
+  const Eigen::Quaterniond half_way = previous_pose_.rotation * so3_exp(0.5 * turn);
+  const Eigen::Vector3d way = pose_.translation - previous_pose_.translation;
+  return {half_way.conjugate() * way / interval_s_, turn / interval_s_};
+}
+
+Matrix6d MotionFilter::way_covariance() const {
+  const Matrix6d common = previous_with_state_.leftCols<6>();
+  return pose_covariance() + previous_covariance_ - common - common.transpose();
+}
+
+Matrix6d MotionFilter::mean_twist_covariance() const {
+  if (interval_s_ < kShortest_s) return twist_covariance();
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>() = pose_.rotation.conjugate().toRotationMatrix() / interval_s_;
+  J.bottomRightCorner<3, 3>() = J.topLeftCorner<3, 3>();
+  return J * way_covariance() * J.transpose();
+}
+
+}  // namespace stillkite

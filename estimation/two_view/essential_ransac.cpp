@@ -1,0 +1,96 @@
+#include "estimation/two_view/essential_ransac.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/two_view/essential_decomposition.hpp"
+#include "estimation/two_view/five_point.hpp"
+#include "estimation/two_view/random_draws.hpp"
+#include "estimation/two_view/sampson_refinement.hpp"
+
+namespace stillkite {
+namespace {
+
+// Cutoffs of Tukey's weights in thresholds, wide enough at first for the error of what they start
+// from: a model of five noisy pairs; a prior that is off by some degrees. A narrow cutoff has false
+// minima, where a few outliers outweigh what the relief tells, so each is followed to its end.
+constexpr std::array<double, 3> kOptimiseDraw{4, 2, 1.5};
+constexpr std::array<double, 5> kOptimiseStart{20, 10, 5, 2.5, 1.5};
+constexpr int kSteps = 6;
+
+int count_below(const std::vector<float>& distances, double from, double to) {
+  return static_cast<int>(std::count_if(distances.begin(), distances.end(),
+                                        [&](float e) { return e >= from && e < to; }));
+}
+
+EssentialFit optimise(const BearingColumns& columns, RelativePose pose, double threshold,
+                      std::span<const double> cutoffs) {
+  for (const double cutoff : cutoffs) pose = refine_pose(columns, pose, cutoff * threshold, kSteps);
+  EssentialFit fit{.pose = pose, .found = true};
+  const Eigen::Matrix3d E = essential_matrix(pose);
+  fit.cost = truncated_cost(columns, E, threshold, static_cast<double>(columns.size()));
+  fit.inliers = count_below(sampson_distances(columns, E), 0, threshold);
+  return fit;
+}
+
+double draws_needed(double inlier_ratio, double confidence) {
+  const double all_inliers = std::pow(inlier_ratio, 5);
+  if (all_inliers >= 1) return 0;
+  return std::log(1 - confidence) / std::log1p(-std::max(all_inliers, 1e-12));
+}
+
+std::array<BearingPair, 5> pairs_at(const BearingColumns& c,
+                                    const std::array<std::size_t, 5>& drawn) {
+  std::array<BearingPair, 5> pairs;
+  for (std::size_t k = 0; k < 5; ++k) {
+    const std::size_t i = drawn[k];
+    pairs[k] = {{c.ax[i], c.ay[i]}, {c.bx[i], c.by[i]}};
+  }
+  return pairs;
+}
+
+}  // namespace
+
+bool explains(const BearingColumns& columns, const Eigen::Matrix3d& E, double threshold) {
+  const std::vector<float> distances = sampson_distances(columns, E);
+  const int within = count_below(distances, 0, threshold);
+  const int around = count_below(distances, threshold, 3 * threshold);
+  const int beyond = count_below(distances, 3 * threshold, 5 * threshold);
+  return within >= 0.25 * static_cast<double>(columns.size()) &&
+         around <= beyond + 2 * std::sqrt(beyond + 1.0) + 0.1 * within;
+}
+
+EssentialFit optimise_start(const BearingColumns& columns, const RelativePose& start,
+                            double threshold) {
+  return optimise(columns, start, threshold, kOptimiseStart);
+}
+
+EssentialFit fit_essential(const BearingColumns& columns, double threshold,
+                           const RelativePoseConfig& config, std::span<const RelativePose> starts) {
+  EssentialFit best{.cost = static_cast<double>(columns.size())};
+  if (columns.size() < 5) return best;
+  for (const RelativePose& start : starts) {
+    const EssentialFit fit = optimise_start(columns, start, threshold);
+    if (fit.cost < best.cost) best = fit;
+    if (explains(columns, essential_matrix(fit.pose), threshold)) return best;
+  }
+  RandomDraws random(static_cast<std::uint64_t>(config.seed) + 1);
+  const auto count = static_cast<double>(columns.size());
+  double needed = config.max_iterations;
+  for (int draws = 0; draws < needed; ++draws) {
+    const std::array<BearingPair, 5> sample = pairs_at(columns, random.distinct<5>(columns.size()));
+    const EssentialCandidates candidates = solve_five_point(sample);
+    for (int k = 0; k < candidates.count; ++k) {
+      const Eigen::Matrix3d& E = candidates.essential[static_cast<std::size_t>(k)];
+      const double cost = truncated_cost(columns, E, threshold, best.cost);
+      if (cost >= best.cost) continue;
+      const EssentialFit fit =
+          optimise(columns, decompose_essential(E)[0], threshold, kOptimiseDraw);
+      if (fit.cost < best.cost) best = fit;
+      needed = std::min(needed, draws_needed(best.inliers / count, config.confidence));
+    }
+  }
+  return best;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "estimation/two_view/relative_pose.hpp"
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+
+/// OpenCV's estimators of the essential matrix; the hold paper's is `ransac`.
+enum class EssentialMethod { ransac, usac_default, usac_fast, usac_accurate, usac_magsac };
+template <>
+struct EnumNames<EssentialMethod> {
+  static constexpr auto value = std::to_array<std::pair<EssentialMethod, std::string_view>>(
+      {{EssentialMethod::ransac, "ransac"},
+       {EssentialMethod::usac_default, "usac_default"},
+       {EssentialMethod::usac_fast, "usac_fast"},
+       {EssentialMethod::usac_accurate, "usac_accurate"},
+       {EssentialMethod::usac_magsac, "usac_magsac"}});
+};
+
+struct OpenCvPoseConfig {
+  EssentialMethod essential_method = EssentialMethod::ransac;
+  double threshold_px = 1.0;
+  double confidence = 0.999;
+  bool correct_matches = true;
+
+  static void fields(auto& self, auto&& field) {
+    field("essential_method", self.essential_method, "OpenCV's estimator of the essential matrix");
+    field("threshold_px", self.threshold_px, kPositive, "epipolar distance of an outlier");
+    field("confidence", self.confidence, Range{0.5, 0.999999},
+          "probability of having drawn five inliers once, at which drawing ends");
+    field("correct_matches", self.correct_matches,
+          "move the inliers onto their epipolar lines before the cheirality test");
+  }
+};
+
+/// The hold paper's own way, section III: findEssentialMat, correctMatches, recoverPose. The model
+/// is `general`, or `undecided` where OpenCV finds no matrix; the covariance stays 0. OpenCV draws
+/// from a generator of its own: equal calls give equal answers.
+[[nodiscard]] RelativePoseEstimate estimate_relative_pose_opencv(std::span<const BearingPair> pairs,
+                                                                 double focal_px,
+                                                                 const OpenCvPoseConfig& config);
+
+}  // namespace stillkite

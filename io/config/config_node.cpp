@@ -1,0 +1,170 @@
+#include "io/config/config_node.hpp"
+
+#include <fmt/core.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+
+#include "geometry/fields.hpp"
+#include "io/text_file.hpp"
+
+namespace stillkite {
+namespace {
+
+// Aliases are expanded, and a few of them nested would grow without bound.
+constexpr int kMaxNodes = 100'000;
+constexpr int kMaxDepth = 32;
+
+class Converter {
+ public:
+  Converter(std::string origin, std::filesystem::path base_folder)
+      : origin_(std::move(origin)), base_folder_(std::move(base_folder)) {}
+
+  ConfigNode convert(const YAML::Node& from, YAML::Mark mark, int depth) {
+    ConfigNode to;
+    to.origin = origin_;
+    to.base_folder = base_folder_;
+    to.line = std::max(0, mark.line + 1);
+    to.column = std::max(0, mark.column + 1);
+    if (++nodes_ > kMaxNodes || depth > kMaxDepth) {
+      throw InputError(fmt::format("{}: more than {} values or {} levels; this is no configuration",
+                                   to.where(), kMaxNodes, kMaxDepth));
+    }
+    if (from.IsScalar()) {
+      to.text = from.Scalar();
+      to.quoted = from.Tag() == "!";
+      to.kind = ConfigNode::Kind::scalar;
+    } else if (from.IsSequence()) {
+      to.kind = ConfigNode::Kind::list;
+      for (const YAML::Node& item : from) to.items.push_back(convert(item, item.Mark(), depth + 1));
+    } else if (from.IsMap()) {
+      to.kind = ConfigNode::Kind::map;
+      for (const auto& entry : from) add_entry(to, entry.first, entry.second, depth);
+    }
+    return to;
+  }
+
+ private:
+  void add_entry(ConfigNode& map, const YAML::Node& key, const YAML::Node& value, int depth) {
+    ConfigNode node = convert(value, key.Mark(), depth + 1);
+    if (!key.IsScalar()) throw InputError(node.where() + ": a key must be one word");
+    if (map.find(key.Scalar()) != nullptr) {
+      throw InputError(
+          fmt::format("{}: key '{}' is given twice; keep one", node.where(), key.Scalar()));
+    }
+    map.entries.emplace_back(key.Scalar(), std::move(node));
+  }
+
+  std::string origin_;
+  std::filesystem::path base_folder_;
+  int nodes_ = 0;
+};
+
+// A line that begins with three dashes after anything but comments and directives, or anything
+// after a line of three dots. (YAML::LoadAll does not come back from some texts that are no YAML.)
+bool has_second_document(std::string_view text) {
+  bool has_content = false;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    const bool is_mark = line.size() == 3 || line.find_first_of(" \t\r") == 3;
+    const bool is_start = line.starts_with("---") && is_mark;
+    if (is_start && has_content) return true;
+    if (line.starts_with("...") && is_mark) {
+      return text.find_first_not_of(" \t\r\n") != std::string_view::npos;
+    }
+    const bool is_comment =
+        first == std::string_view::npos || line[first] == '#' || line.starts_with('%') || is_start;
+    if (!is_comment) has_content = true;
+  }
+  return false;
+}
+
+// Of a map that may be changed or not.
+auto* find_in(auto& map, std::string_view key) {
+  const auto at = std::find_if(map.entries.begin(), map.entries.end(),
+                               [&](const auto& entry) { return entry.first == key; });
+  return at == map.entries.end() ? nullptr : &at->second;
+}
+
+ConfigNode parse_override_value(const std::string& text, const std::string& origin) {
+  const std::filesystem::path here = std::filesystem::current_path();
+  ConfigNode node;
+  if (text.starts_with('[') || text.starts_with('{')) {
+    node = parse_yaml(text, origin, here);
+  } else {
+    const bool null = text.empty() || text == "null" || text == "~";
+    node.kind = null ? ConfigNode::Kind::null : ConfigNode::Kind::scalar;
+    node.text = text;
+    node.origin = origin;
+    node.base_folder = here;
+  }
+  node.line = 0;
+  return node;
+}
+
+}  // namespace
+
+std::string ConfigNode::where() const {
+  return line > 0 ? fmt::format("{}:{}:{}", origin, line, column) : origin;
+}
+
+const ConfigNode* ConfigNode::find(std::string_view key) const {
+  return find_in(*this, key);
+}
+
+ConfigNode parse_yaml(const std::string& text, const std::string& origin,
+                      const std::filesystem::path& base_folder) {
+  try {
+    if (has_second_document(text)) {
+      throw InputError(origin + ": holds more than one YAML document (---); keep one");
+    }
+    const YAML::Node root = YAML::Load(text);
+    return Converter(origin, base_folder).convert(root, root.Mark(), 0);
+  } catch (const YAML::Exception& error) {
+    const bool is_tab = text.find('\t') != std::string::npos;
+    throw InputError(fmt::format("{}:{}:{}: not YAML: {}{}", origin, error.mark.line + 1,
+                                 error.mark.column + 1, error.msg,
+                                 is_tab ? "; YAML is indented by blanks, there is a tab" : ""));
+  }
+}
+
+ConfigNode read_yaml(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file);
+  if (text.find('\0') != std::string::npos) {
+    throw InputError(file.string() +
+                     ": is no text in UTF-8; a YAML file is needed, and a video is named in "
+                     "one: source: {path: VIDEO}");
+  }
+  return parse_yaml(text, file.string(), std::filesystem::absolute(file).parent_path());
+}
+
+void apply_override(ConfigNode& root, const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  const std::string origin = "--set " + assignment;
+  if (equals == 0 || equals == std::string::npos) {
+    throw InputError(origin + ": write it as key=value, for example source.start_s=2.5");
+  }
+  ConfigNode* at = &root;
+  std::string_view path(assignment.data(), equals);
+  while (!path.empty()) {
+    if (at->kind != ConfigNode::Kind::map) *at = {.kind = ConfigNode::Kind::map, .origin = origin};
+    const std::size_t dot = path.find('.');
+    const std::string key(path.substr(0, dot));
+    path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
+    if (find_in(*at, key) == nullptr) at->entries.emplace_back(key, ConfigNode{});
+    at = find_in(*at, key);
+  }
+  *at = parse_override_value(assignment.substr(equals + 1), origin);
+}
+
+ConfigNode read_config(const std::optional<std::filesystem::path>& file,
+                       const std::vector<std::string>& overrides) {
+  ConfigNode root{.kind = ConfigNode::Kind::map};
+  if (file) root = read_yaml(*file);
+  for (const std::string& assignment : overrides) apply_override(root, assignment);
+  return root;
+}
+
+}  // namespace stillkite

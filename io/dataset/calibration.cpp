@@ -1,0 +1,205 @@
+#include "io/dataset/calibration.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "io/config/config_values.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr Range kPixels{.min = 1, .max = 100'000};
+
+const ConfigNode& require(const ConfigNode& map, const std::string& key) {
+  const ConfigNode* node = map.find(key);
+  if (node == nullptr) {
+    throw InputError(fmt::format("{}: key '{}' is missing", map.where(), key));
+  }
+  return *node;
+}
+
+DistortionModel distortion_named(const ConfigNode& node, const std::string& key) {
+  constexpr auto kNames =
+      std::to_array<std::string_view>({"none", "radial-tangential", "radtan", "plumb_bob",
+                                       "rational_polynomial", "equidistant", "fisheye"});
+  const std::size_t index = read_choice(node, key, kNames);
+  return index == 0  ? DistortionModel::none
+         : index < 5 ? DistortionModel::radial_tangential
+                     : DistortionModel::equidistant;
+}
+
+void set_distortion(Camera& camera, DistortionModel model, const ConfigNode& node,
+                    const std::string& key, const std::vector<double>& given) {
+  camera.distortion = model;
+  if (model == DistortionModel::none) return;
+  if (const auto wrong = misfit(model, given.size())) reject_value(node, key, *wrong);
+  std::copy(given.begin(), given.end(), camera.coefficients.begin());
+}
+
+// {rows, cols, data}, as EuRoC and OpenCV write a matrix.
+std::vector<double> read_matrix(const ConfigNode& node, const std::string& key) {
+  const std::vector<double> data = read_numbers(require(node, "data"), key + ".data", kAny);
+  const long long rows = read_integer(require(node, "rows"), key + ".rows", kPixels);
+  const long long cols = read_integer(require(node, "cols"), key + ".cols", kPixels);
+  if (std::ssize(data) != rows * cols) {
+    reject_value(node, key, fmt::format("{} numbers for {} x {}", data.size(), rows, cols));
+  }
+  return data;
+}
+
+RigidTransform to_transform(const ConfigNode& node, const std::string& key,
+                            const std::vector<double>& data) {
+  if (data.size() != 16) reject_value(node, key, "a matrix of 4 x 4 is needed");
+  const Eigen::Matrix4d T =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data.data());
+  const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
+  const double skewness = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
+  const bool is_last_row = (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-6;
+  if (!(skewness < 1e-3) || !(R.col(0).cross(R.col(1)).dot(R.col(2)) > 0) || !is_last_row) {
+    reject_value(node, key,
+                 "is no rigid transform: its rotation must be orthonormal and "
+                 "right-handed, its last row 0 0 0 1");
+  }
+  return {Eigen::Quaterniond(R).normalized(), T.topRightCorner<3, 1>()};
+}
+
+// Kalibr writes a matrix as a list of rows.
+RigidTransform read_rows(const ConfigNode& node, const std::string& key) {
+  std::vector<double> data;
+  for (const ConfigNode& row : node.items) {
+    const std::vector<double> numbers = read_numbers(row, key, kAny, 4);
+    data.insert(data.end(), numbers.begin(), numbers.end());
+  }
+  return to_transform(node, key, data);
+}
+
+// What EuRoC and Kalibr share; they differ in the name of the coefficients.
+Camera read_pinhole(const ConfigNode& root, const std::string& prefix,
+                    const std::string& coefficients_key) {
+  constexpr auto kPinhole = std::to_array<std::string_view>({"pinhole"});
+  (void)read_choice(require(root, "camera_model"), prefix + "camera_model", kPinhole);
+  const auto resolution =
+      read_numbers(require(root, "resolution"), prefix + "resolution", kPixels, 2);
+  const auto intrinsics = read_numbers(require(root, "intrinsics"), prefix + "intrinsics", kAny, 4);
+  Camera camera{.width_px = static_cast<int>(resolution[0]),
+                .height_px = static_cast<int>(resolution[1]),
+                .focal_x_px = intrinsics[0],
+                .focal_y_px = intrinsics[1],
+                .centre_x_px = intrinsics[2],
+                .centre_y_px = intrinsics[3]};
+  const auto model =
+      distortion_named(require(root, "distortion_model"), prefix + "distortion_model");
+  if (model != DistortionModel::none) {
+    const ConfigNode& node = require(root, coefficients_key);
+    set_distortion(camera, model, node, prefix + coefficients_key,
+                   read_numbers(node, prefix + coefficients_key, kAny));
+  }
+  return camera;
+}
+
+Calibration read_euroc(const ConfigNode& root) {
+  Calibration out{.camera = read_pinhole(root, "", "distortion_coefficients")};
+  if (const ConfigNode* T = root.find("T_BS")) {
+    out.body_from_camera = to_transform(*T, "T_BS", read_matrix(*T, "T_BS"));
+  }
+  return out;
+}
+
+Calibration read_kalibr(const ConfigNode& cam0) {
+  Calibration out{.camera = read_pinhole(cam0, "cam0.", "distortion_coeffs")};
+  if (const ConfigNode* T = cam0.find("T_cam_imu")) {
+    out.body_from_camera = read_rows(*T, "cam0.T_cam_imu").inverse();
+  }
+  return out;
+}
+
+Calibration read_opencv(const ConfigNode& root) {
+  const ConfigNode& matrix = require(root, "camera_matrix");
+  const std::vector<double> K = read_matrix(matrix, "camera_matrix");
+  if (K.size() != 9 || K[1] != 0 || K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1) {
+    reject_value(matrix, "camera_matrix", "must be [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
+  }
+  Camera camera{
+      .width_px =
+          static_cast<int>(read_integer(require(root, "image_width"), "image_width", kPixels)),
+      .height_px =
+          static_cast<int>(read_integer(require(root, "image_height"), "image_height", kPixels)),
+      .focal_x_px = K[0],
+      .focal_y_px = K[4],
+      .centre_x_px = K[2],
+      .centre_y_px = K[5]};
+  DistortionModel model = DistortionModel::radial_tangential;
+  if (const ConfigNode* name = root.find("distortion_model")) {
+    model = distortion_named(*name, "distortion_model");
+  } else if (const ConfigNode* flag = root.find("fisheye_model")) {
+    if (flag->text == "1" || flag->text == "true") model = DistortionModel::equidistant;
+  }
+  const ConfigNode& node = require(root, "distortion_coefficients");
+  set_distortion(camera, model, node, "distortion_coefficients",
+                 read_matrix(node, "distortion_coefficients"));
+  return {.camera = camera};
+}
+
+}  // namespace
+
+Calibration read_calibration(const std::filesystem::path& file) {
+  return read_calibration(read_yaml(file));
+}
+
+Calibration read_calibration(const ConfigNode& root) {
+  const ConfigNode* cam0 = root.find("cam0");
+  Calibration out;
+  if (cam0 != nullptr) {
+    out = read_kalibr(*cam0);
+  } else if (root.find("camera_matrix") != nullptr) {
+    out = read_opencv(root);
+  } else if (root.find("intrinsics") != nullptr) {
+    out = read_euroc(root);
+  } else {
+    throw InputError(
+        root.origin +
+        ": no camera calibration; known are EuRoC sensor.yaml (key intrinsics), Kalibr "
+        "camchain (cam0) and OpenCV (camera_matrix)");
+  }
+  check_camera(out.camera, root.origin);
+  return out;
+}
+
+std::optional<std::string> misfit(DistortionModel model, std::size_t n) {
+  if (model == DistortionModel::none) {
+    if (n == 0) return std::nullopt;
+    return fmt::format("{} coefficients of no model; give distortion too", n);
+  }
+  const bool is_fisheye = model == DistortionModel::equidistant;
+  if (n == 4 || (!is_fisheye && (n == 5 || n == 8))) return std::nullopt;
+  return fmt::format("{} coefficients, {} are needed for {}", n, is_fisheye ? "4" : "4, 5 or 8",
+                     name_of(model));
+}
+
+void check_camera(const Camera& camera, const std::string& origin) {
+  const auto require_that = [&](bool holds, const std::string& problem) {
+    if (!holds) throw InputError(fmt::format("{}: {}", origin, problem));
+  };
+  constexpr double kShortest_ratio = 0.1;
+  const auto [w, h] = std::pair<double, double>(camera.width_px, camera.height_px);
+  require_that(w > 0 && h > 0, fmt::format("resolution {} x {} is not positive", w, h));
+  require_that(camera.focal_x_px > 0 && camera.focal_y_px > 0 && camera.focal_x_px < 1e6 &&
+                   camera.focal_y_px < 1e6,
+               fmt::format("focal lengths {}, {} px must be positive (and below 1e6)",
+                           camera.focal_x_px, camera.focal_y_px));
+  require_that(camera.focal_x_px > kShortest_ratio * w && camera.focal_y_px > kShortest_ratio * h,
+               fmt::format("focal lengths {}, {} px are below a tenth of the picture, {} x {}: are "
+                           "they in pixels, and of this resolution?",
+                           camera.focal_x_px, camera.focal_y_px, w, h));
+  require_that(camera.centre_x_px >= 0 && camera.centre_x_px <= w && camera.centre_y_px >= 0 &&
+                   camera.centre_y_px <= h,
+               fmt::format("principal point {}, {} px is outside the picture of {} x {}: is it of "
+                           "another resolution?",
+                           camera.centre_x_px, camera.centre_y_px, w, h));
+  for (const double c : camera.coefficients) {
+    require_that(std::abs(c) < 1e6, fmt::format("distortion coefficient {} is not usable", c));
+  }
+}
+
+}  // namespace stillkite

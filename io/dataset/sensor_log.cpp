@@ -1,0 +1,210 @@
+#include "io/dataset/sensor_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include "io/dataset/table_geometry.hpp"
+#include "navigation/navigator.hpp"
+
+namespace stillkite {
+namespace {
+
+double between(double a, double b, double ratio) {
+  return a + ratio * (b - a);
+}
+
+template <int N>
+Eigen::Matrix<double, N, 1> between(const Eigen::Matrix<double, N, 1>& a,
+                                    const Eigen::Matrix<double, N, 1>& b, double ratio) {
+  return a + ratio * (b - a);
+}
+
+Eigen::Quaterniond between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double ratio) {
+  return a.slerp(ratio, b);
+}
+
+template <typename Value>
+std::optional<Value> value_at(const TimeSeries<Value>& series, Timestamp stamp) {
+  const auto after = std::lower_bound(series.stamps.begin(), series.stamps.end(), stamp);
+  if (after == series.stamps.end()) return std::nullopt;
+  const auto i = static_cast<std::size_t>(after - series.stamps.begin());
+  if (*after == stamp) return series.values[i];
+  if (i == 0) return std::nullopt;
+  const double gap_s = seconds_between(series.stamps[i - 1], *after);
+  if (gap_s > kLongestGap_s) return std::nullopt;
+  const double ratio = seconds_between(series.stamps[i - 1], stamp) / gap_s;
+  return between(series.values[i - 1], series.values[i], ratio);
+}
+
+// A reading counts once, however many frames lie between it and the next; where the next is too
+// far to lie on a line with, as it is if it is fresh.
+template <typename Value>
+std::optional<Value> new_value_at(const TimeSeries<Value>& series, Timestamp before,
+                                  Timestamp now) {
+  if (before == now) return value_at(series, now);
+  const auto after = std::upper_bound(series.stamps.begin(), series.stamps.end(), now);
+  if (after == series.stamps.begin()) return std::nullopt;
+  const Timestamp last = *(after - 1);
+  if (last <= before) return std::nullopt;
+  std::optional<Value> value = value_at(series, now);
+  if (!value && seconds_between(last, now) <= kFresh_s) {
+    value = series.values[static_cast<std::size_t>(after - series.stamps.begin()) - 1];
+  }
+  return value;
+}
+
+std::optional<Eigen::Vector3d> mean_between(const TimeSeries<Eigen::Vector3d>& series,
+                                            Timestamp from, Timestamp to) {
+  const std::optional<Eigen::Vector3d> first = value_at(series, from);
+  const std::optional<Eigen::Vector3d> last = value_at(series, to);
+  if (!first || !last || from >= to) return std::nullopt;
+  Eigen::Vector3d integral = Eigen::Vector3d::Zero();
+  Timestamp at = from;
+  Eigen::Vector3d value = *first;
+  const auto step_to = [&](Timestamp next, const Eigen::Vector3d& next_value) {
+    integral += 0.5 * seconds_between(at, next) * (value + next_value);
+    at = next;
+    value = next_value;
+  };
+  auto inside = std::upper_bound(series.stamps.begin(), series.stamps.end(), from);
+  for (; *inside < to; ++inside) {
+    if (seconds_between(at, *inside) > kLongestGap_s) return std::nullopt;
+    step_to(*inside, series.values[static_cast<std::size_t>(inside - series.stamps.begin())]);
+  }
+  step_to(to, *last);
+  return integral / seconds_between(from, to);
+}
+
+std::vector<InertialReading> inertial_between(const TimeSeries<Vector6d>& series, Timestamp from,
+                                              Timestamp to) {
+  std::vector<InertialReading> readings;
+  Timestamp at = from;
+  std::optional<Vector6d> value = value_at(series, from);
+  const auto step_to = [&](Timestamp next, const Vector6d& next_value) {
+    if (value && seconds_between(at, next) <= kLongestGap_s) {
+      const Vector6d mean = 0.5 * (*value + next_value);
+      readings.push_back({.stamp = next,
+                          .angular_rate_in_body_rad_s = mean.head<3>(),
+                          .specific_force_in_body_m_s2 = mean.tail<3>()});
+    }
+    at = next;
+    value = next_value;
+  };
+  const auto first = std::upper_bound(series.stamps.begin(), series.stamps.end(), from);
+  const auto last = std::lower_bound(first, series.stamps.end(), to);
+  readings.reserve(static_cast<std::size_t>(last - first) + 1);
+  for (auto inside = first; inside != last; ++inside) {
+    step_to(*inside, series.values[static_cast<std::size_t>(inside - series.stamps.begin())]);
+  }
+  if (const std::optional<Vector6d> end = value_at(series, to); end && to > at) step_to(to, *end);
+  return readings;
+}
+
+// What no gyroscope and no accelerometer of a drone tells: other units, or a damaged row.
+constexpr Range kRates_rad_s{-100, 100};
+constexpr Range kForces_m_s2{-2000, 2000};
+
+// Angular rates come first. Named otherwise (ax, acc_x, linear_acceleration.x) these are others.
+Eigen::Vector3d rates_at(const TableReader& row) {
+  std::string name(row.name(1));
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool is_force = name.starts_with("ax") || name.starts_with("a_") ||
+                        name.find("acc") != std::string::npos ||
+                        name.find("linear") != std::string::npos;
+  if (is_force) {
+    row.reject(fmt::format(
+        "column '{}' stands where an angular rate must: after the stamp come wx, wy, wz in rad/s, "
+        "then ax, ay, az in m/s^2",
+        row.name(1)));
+  }
+  return vector_at(row, 1, kRates_rad_s);
+}
+
+// Rows of a stamp and what `read_row` makes of the cells after it.
+template <typename Value, typename ReadRow>
+TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t columns,
+                              std::vector<Unit> units, const ReadRow& read_row) {
+  TableReader table(file, Separator::comma, columns, std::move(units));
+  TimeSeries<Value> series;
+  while (table.next()) {
+    series.stamps.push_back(table.stamp());
+    series.values.push_back(read_row(table));
+  }
+  if (series.stamps.empty()) throw InputError(file.string() + ": has no row of data");
+  return series;
+}
+
+}  // namespace
+
+SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestamp now) {
+  return {
+      .mean_angular_rate_in_body_rad_s = mean_between(log.angular_rate_in_body_rad_s, before, now),
+      .height_m = new_value_at(log.height_m, before, now),
+      .height_source = log.height_source,
+      .attitude = new_value_at(log.attitude, before, now),
+      .acceleration = value_at(log.acceleration, now),
+      .inertial = inertial_between(log.imu, before, now)};
+}
+
+TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file) {
+  return read_series<Eigen::Vector3d>(file, 4, std::vector(3, Unit::radian_per_s), rates_at);
+}
+
+TimeSeries<double> read_heights(const std::filesystem::path& file) {
+  return read_series<double>(file, 2, {Unit::metre},
+                             [](const TableReader& row) { return row.number(1); });
+}
+
+TimeSeries<Eigen::Quaterniond> read_attitudes(const std::filesystem::path& file) {
+  return read_series<Eigen::Quaterniond>(
+      file, 5, {}, [](const TableReader& row) { return quaternion_at(row, 1, 2); });
+}
+
+TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
+  return read_series<Vector6d>(
+      file, 4, units_of_vectors(Unit::metre_per_s2, Unit::radian_per_s2),
+      [](const TableReader& row) {
+        if (row.name(1).starts_with('w')) {
+          row.reject(fmt::format(
+              "column '{}' is an angular rate; accelerations come first: ax, ay, az", row.name(1)));
+        }
+        Vector6d value = Vector6d::Zero();
+        value.head<3>() = vector_at(row, 1);
+        if (row.columns() >= 7) value.tail<3>() = vector_at(row, 4);
+        return value;
+      });
+}
+
+TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
+  return read_series<Vector6d>(file, 7, units_of_vectors(Unit::radian_per_s, Unit::metre_per_s2),
+                               [](const TableReader& row) {
+                                 const Eigen::Vector3d rates = rates_at(row);
+                                 const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
+                                 return (Vector6d() << rates, forces).finished();
+                               });
+}
+
+TimeSeries<Vector6d> without_leaps(const TimeSeries<Vector6d>& imu) {
+  constexpr double kLeap_rad_s = 10, kLeap_m_s2 = 80;
+  const auto leaps_from = [&](const Vector6d& value, const Vector6d& neighbour) {
+    const Vector6d by = value - neighbour;
+    return by.head<3>().norm() > kLeap_rad_s || by.tail<3>().norm() > kLeap_m_s2;
+  };
+  TimeSeries<Vector6d> out;
+  const std::size_t n = imu.values.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector6d& value = imu.values[i];
+    const bool leaps = i > 0 && i + 1 < n && leaps_from(value, imu.values[i - 1]) &&
+                       leaps_from(value, imu.values[i + 1]);
+    if (leaps || value.isZero(0)) continue;
+    out.stamps.push_back(imu.stamps[i]);
+    out.values.push_back(value);
+  }
+  return out;
+}
+
+}  // namespace stillkite

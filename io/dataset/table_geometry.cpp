@@ -1,0 +1,28 @@
+#include "io/dataset/table_geometry.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace stillkite {
+
+Eigen::Vector3d vector_at(const TableReader& table, std::size_t column, const Range& range) {
+  return {table.number(column, range), table.number(column + 1, range),
+          table.number(column + 2, range)};
+}
+
+std::vector<Unit> units_of_vectors(Unit first, Unit second) {
+  return {first, first, first, second, second, second};
+}
+
+Eigen::Quaterniond quaternion_at(const TableReader& table, std::size_t w, std::size_t xyz) {
+  const Eigen::Vector3d v = vector_at(table, xyz);
+  const Eigen::Quaterniond q(table.number(w), v.x(), v.y(), v.z());
+  // files print six digits or more; anything further off is another column
+  if (!(std::abs(q.norm() - 1.0) < 0.01)) {
+    table.reject(fmt::format("the quaternion's length is {:.4g}, it must be 1", q.norm()));
+  }
+  return q.normalized();
+}
+
+}  // namespace stillkite

@@ -1,0 +1,39 @@
+#include "io/results/output_folder.hpp"
+
+#include "geometry/fields.hpp"
+#include "io/results/output_file.hpp"
+
+namespace stillkite {
+namespace fs = std::filesystem;
+
+OutputFolder::OutputFolder(const fs::path& folder, std::uintmax_t bytes)
+    : folder_(fs::absolute(folder).lexically_normal()) {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "out/" is "out"
+  std::error_code failure;
+  // what a link names takes its files, not the link's place
+  if (fs::is_symlink(folder_, failure)) folder_ = fs::weakly_canonical(folder_);
+  part_ = fs::path(folder_) += ".part";
+  if (fs::exists(folder_, failure) &&
+      !(fs::is_directory(folder_, failure) && fs::is_empty(folder_, failure))) {
+    throw InputError(folder.string() +
+                     ": is there already; remove it or choose another folder with --out");
+  }
+  if (fs::exists(part_, failure)) {
+    throw InputError(part_.string() +
+                     ": is there already, left by a call that was killed or yours; remove it");
+  }
+  prepare_output_folder(part_, bytes);
+}
+
+OutputFolder::~OutputFolder() {
+  if (committed_) return;
+  std::error_code ignored;
+  fs::remove_all(part_, ignored);
+}
+
+void OutputFolder::commit() {
+  fs::rename(part_, folder_);
+  committed_ = true;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,108 @@
+#include "io/results/part_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kEnding = ".part";
+
+fs::path part_name(const fs::path& file, int attempt) {
+  return fs::path(file) += attempt == 0 ? fmt::format(".{}{}", getpid(), kEnding)
+                                        : fmt::format(".{}-{}{}", getpid(), attempt, kEnding);
+}
+
+bool is_part_of(const std::string& name, const std::string& file) {
+  if (!name.starts_with(file) || !name.ends_with(kEnding)) return false;
+  const std::size_t beside = file.size() + std::strlen(kEnding);
+  if (name.size() <= beside) return name.size() == beside;
+  const std::string between = name.substr(file.size(), name.size() - beside);
+  return between[0] == '.' && between.find_first_not_of("0123456789-", 1) == std::string::npos;
+}
+
+// Whoever cleared up between the two calls has taken its name.
+bool lock_new_file(int descriptor) {
+  flock(descriptor, LOCK_EX | LOCK_NB);
+  struct stat status {};
+  return fstat(descriptor, &status) == 0 && status.st_nlink > 0;
+}
+
+// A file that can be locked has no writer.
+void remove_unless_written(const fs::path& part) {
+  const int descriptor = open(part.c_str(), O_WRONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor < 0) return;
+  struct stat status {};
+  const bool is_file = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  if (is_file && flock(descriptor, LOCK_EX | LOCK_NB) == 0) unlink(part.c_str());
+  close(descriptor);
+}
+
+}  // namespace
+
+PartFile::PartFile(fs::path file) : file_(std::move(file)) {
+  constexpr int kMostAttempts = 1000;
+  remove_parts_left_of(file_);
+  for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+    part_ = part_name(file_, attempt);
+    descriptor_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) break;
+    if (descriptor_ >= 0 && lock_new_file(descriptor_)) return;
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  throw InputError(fmt::format("{}: cannot be created: {}; choose another folder with --out",
+                               file_.string(), std::strerror(errno)));
+}
+
+PartFile::PartFile(PartFile&& other) noexcept
+    : file_(std::move(other.file_)),
+      part_(std::move(other.part_)),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+PartFile::~PartFile() {
+  if (descriptor_ < 0) return;
+  unlink(part_.c_str());
+  close(descriptor_);
+}
+
+void PartFile::rename() {
+  if (std::rename(part_.c_str(), file_.c_str()) != 0) {
+    throw std::runtime_error(
+        fmt::format("{}: cannot be written: {}", file_.string(), std::strerror(errno)));
+  }
+  close(std::exchange(descriptor_, -1));
+}
+
+void remove_parts_left_of(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const std::string name = file.filename().string();
+  std::error_code failure;
+  for (fs::directory_iterator at(folder, failure), end; !failure && at != end;
+       at.increment(failure)) {
+    if (is_part_of(at->path().filename().string(), name)) remove_unless_written(at->path());
+  }
+}
+
+FolderLock::FolderLock(const fs::path& folder)
+    : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  while (descriptor_ >= 0 && flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+}  // namespace stillkite

@@ -1,0 +1,233 @@
+#include "io/video/frame_source.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <thread>
+#include <variant>
+
+#include "io/dataset/euroc_dataset.hpp"
+#include "io/text_file.hpp"
+#include "io/video/bounded_queue.hpp"
+#include "io/video/image_sequence.hpp"
+#include "io/video/picture_pool.hpp"
+#include "io/video/video_reader.hpp"
+
+namespace stillkite {
+namespace fs = std::filesystem;
+namespace {
+
+// Enough to hide the jitter of a decoder that works on several frames at once.
+constexpr std::size_t kDecodeAhead = 4;
+
+using Reader = std::variant<VideoReader, ImageSequence>;
+
+std::vector<StampedImage> images_between(std::vector<StampedImage> images,
+                                         const SourceConfig& config) {
+  const Timestamp first = images.front().stamp;
+  std::erase_if(images, [&](const StampedImage& image) {
+    const double t_s = seconds_between(first, image.stamp);
+    return t_s < config.start_s || (config.end_s && t_s > *config.end_s);
+  });
+  return images;
+}
+
+Reader open_reader(const SourceConfig& config) {
+  const fs::path& path = config.path;
+  if (path.empty()) {
+    throw InputError(
+        "source.path is not given; set it to a video, a EuRoC data set or a folder of "
+        "pictures");
+  }
+  if (config.end_s && *config.end_s <= config.start_s) {
+    throw InputError(fmt::format("source.end_s {} must be greater than source.start_s {}",
+                                 *config.end_s, config.start_s));
+  }
+  if (!fs::exists(path)) {
+    throw InputError(path.string() + ": no such file or folder; check source.path");
+  }
+  if (is_special_file(path)) {
+    throw InputError(path.string() + ": is a pipe or a device, a file or a folder is needed");
+  }
+  if (!fs::is_directory(path)) {
+    if (fs::is_regular_file(path) && fs::file_size(path) == 0) {
+      throw InputError(path.string() + ": the file is empty");
+    }
+    if (config.bits) throw InputError("source.bits: a video tells by itself how bright it is");
+    return VideoReader(path, config.start_s, config.rate_hz);
+  }
+  if (const auto dataset = find_euroc_dataset(path)) {
+    return ImageSequence(images_between(read_image_list(dataset->images_csv), config), config.bits);
+  }
+  const bool has_rate = config.rate_hz.has_value();
+  std::vector<StampedImage> images = list_images(path, has_rate ? *config.rate_hz : 1.0);
+  if (!has_rate) {
+    throw InputError(path.string() +
+                     ": pictures without stamps; give their frames per second as "
+                     "source.rate_hz");
+  }
+  return ImageSequence(images_between(std::move(images), config), config.bits);
+}
+
+std::optional<std::int64_t> expected_frames(const Reader& reader, const SourceConfig& config) {
+  if (const auto* images = std::get_if<ImageSequence>(&reader))
+    return static_cast<std::int64_t>(images->count());
+  const auto& video = std::get<VideoReader>(reader);
+  const std::optional<double> rate = video.frames_per_s();
+  std::optional<double> end_s = video.duration_s();
+  if (config.end_s && (!end_s || *config.end_s < *end_s)) end_s = config.end_s;
+  if (!rate || !end_s) return std::nullopt;
+  return std::max<std::int64_t>(0, std::llround((*end_s - config.start_s) * *rate));
+}
+
+}  // namespace
+
+struct FrameSource::State {
+  explicit State(const SourceConfig& source)
+      : config(source), reader(open_reader(source)), expected(expected_frames(reader, source)) {}
+  ~State() {
+    queue.close();
+    if (thread.joinable()) thread.join();
+  }
+
+  void decode_all();
+  std::optional<Frame> take();
+
+  SourceConfig config;
+  Reader reader;  // of the decoding thread until the queue is closed
+  std::optional<std::int64_t> expected;
+  BoundedQueue<ReadResult> queue{kDecodeAhead};
+  std::exception_ptr failure;  // these two are written before the queue is closed, read after
+  bool reader_ended = false;
+  std::atomic<std::int64_t> decoding_ns = 0;
+
+  std::optional<Frame> first;
+  bool first_is_taken = false;
+  std::optional<Timestamp> last_stamp;
+  std::int64_t read = 0;
+  std::int64_t undecodable = 0;
+  std::int64_t out_of_turn = 0;  // not later than the one before
+  bool at_end = false;
+  std::thread thread;  // last: it uses all of the above
+};
+
+void FrameSource::State::decode_all() {
+  const bool is_video = std::holds_alternative<VideoReader>(reader);
+  PicturePool pool;
+  try {
+    while (true) {
+      const auto start = std::chrono::steady_clock::now();
+      ReadResult result = std::visit([&](auto& from) { return from.read(pool.take()); }, reader);
+      decoding_ns += std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
+      if (result.status == ReadResult::Status::end) {
+        reader_ended = true;
+        break;
+      }
+      if (result.status == ReadResult::Status::frame) {
+        if (is_video && config.end_s && to_seconds(result.frame.stamp) > *config.end_s) break;
+        pool.keep(result.frame.grey);
+      }
+      if (!queue.push(std::move(result))) break;
+    }
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  queue.close();
+}
+
+std::optional<Frame> FrameSource::State::take() {
+  while (std::optional<ReadResult> result = queue.pop()) {
+    const std::int64_t index = read++;
+    if (result->status == ReadResult::Status::undecodable) {
+      ++undecodable;
+      continue;
+    }
+    if (last_stamp && result->frame.stamp <= *last_stamp) {
+      ++out_of_turn;
+      continue;
+    }
+    result->frame.index = index;
+    last_stamp = result->frame.stamp;
+    return std::move(result->frame);
+  }
+  at_end = true;
+  if (failure) std::rethrow_exception(std::exchange(failure, nullptr));
+  return std::nullopt;
+}
+
+FrameSource::FrameSource(const SourceConfig& config) : state_(std::make_unique<State>(config)) {
+  State& s = *state_;
+  s.thread = std::thread([&s] { s.decode_all(); });
+  s.first = s.take();
+  if (!s.first) {
+    const bool is_cut = config.start_s > 0 || config.end_s.has_value();
+    throw InputError(config.path.string() +
+                     (s.read == 0 && is_cut ? ": no picture between source.start_s and source.end_s"
+                                            : ": not one picture can be decoded; the file is "
+                                              "damaged"));
+  }
+}
+
+FrameSource::~FrameSource() = default;
+FrameSource::FrameSource(FrameSource&&) noexcept = default;
+FrameSource& FrameSource::operator=(FrameSource&&) noexcept = default;
+
+const Frame& FrameSource::first() const {
+  return *state_->first;
+}
+
+std::optional<Frame> FrameSource::next() {
+  if (std::exchange(state_->first_is_taken, true)) return state_->take();
+  return state_->first;
+}
+
+std::int64_t FrameSource::read() const {
+  return state_->read;
+}
+std::int64_t FrameSource::rejected() const {
+  return state_->undecodable + state_->out_of_turn;
+}
+double FrameSource::decoding_s() const {
+  return 1e-9 * static_cast<double>(state_->decoding_ns);
+}
+std::optional<std::int64_t> FrameSource::expected() const {
+  return state_->expected;
+}
+
+bool FrameSource::is_turned() const {
+  const auto* video = std::get_if<VideoReader>(&state_->reader);
+  return video != nullptr && video->is_turned();
+}
+
+std::optional<std::string> FrameSource::complaint() const {
+  const State& s = *state_;
+  std::string found;
+  const auto add = [&](const std::string& sentence) {
+    found += (found.empty() ? "" : "; ") + sentence;
+  };
+  const auto* video = std::get_if<VideoReader>(&s.reader);
+  if (video != nullptr && video->oblong_pixels()) add(*video->oblong_pixels());
+  // the decoding thread has let go of the reader only at the end
+  if (s.at_end && s.reader_ended && video != nullptr) {
+    if (const std::optional<std::string> truncation = video->truncation()) add(*truncation);
+  }
+  const std::string path = s.config.path.string();
+  if (s.undecodable > 0) {
+    add(fmt::format("{}: {} of {} pictures cannot be decoded and are left out{}", path,
+                    s.undecodable, s.read,
+                    video == nullptr ? ""
+                                     : " (those predicted from them are damaged, too, and what is "
+                                       "estimated there is worse than it claims)"));
+  }
+  if (s.out_of_turn > 0) {
+    add(fmt::format("{}: {} of {} pictures are not later than the one before and are left out",
+                    path, s.out_of_turn, s.read));
+  }
+  return found.empty() ? std::nullopt : std::optional(found);
+}
+
+}  // namespace stillkite

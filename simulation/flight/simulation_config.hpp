@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+
+#include "geometry/camera.hpp"
+#include "simulation/flight/flight.hpp"
+#include "simulation/flight/sensors.hpp"
+#include "simulation/scene/relief.hpp"
+
+namespace stillkite {
+
+/// The defaults are the flow paper's camera (section 5.1), looking straight down.
+struct SimulatedCameraConfig {
+  double frames_per_s = 25;
+  int width_px = 1920;
+  int height_px = 1080;
+  double focal_x_px = 1152.77;
+  double focal_y_px = 1150.483;
+  double centre_x_px = 969.2111;
+  double centre_y_px = 535.3755;
+  DistortionModel distortion = DistortionModel::none;
+  std::array<double, 8> coefficients{};
+  double forward_tilt_deg = 0;
+  int supersampling = 2;
+  double shutter_s = 0;
+  int shutter_samples = 4;
+  double readout_s = 0;
+  double noise_grey = 2;
+  double gain_ramp_ratio = 0;
+  double flicker_ratio = 0;
+
+  static void fields(auto& self, auto&& field) {
+    field("frames_per_s", self.frames_per_s, Range{0.1, 1000}, "frame rate");
+    field("width_px", self.width_px, Range{16, 16384}, "of the picture");
+    field("height_px", self.height_px, Range{16, 16384}, "of the picture");
+    field("focal_x_px", self.focal_x_px, kPositive, "focal length");
+    field("focal_y_px", self.focal_y_px, kPositive, "focal length");
+    field("centre_x_px", self.centre_x_px, kAny, "principal point, first pixel's centre is 0");
+    field("centre_y_px", self.centre_y_px, kAny, "principal point, first pixel's centre is 0");
+    field("distortion", self.distortion, "lens model");
+    field("coefficients", self.coefficients, kAny, "k1 k2 p1 p2 k3 k4 k5 k6, or k1 k2 k3 k4");
+    field("forward_tilt_deg", self.forward_tilt_deg, Range{-90, 90},
+          "of the optical axis in the body, from straight down towards the nose");
+    field("supersampling", self.supersampling, Range{1, 4}, "samples a pixel and direction");
+    field("shutter_s", self.shutter_s, kNotNegative, "time over which motion blurs; 0: none");
+    field("shutter_samples", self.shutter_samples, Range{1, 64}, "instants a blurred picture");
+    field("readout_s", self.readout_s, Range{0, 0.1},
+          "rolling shutter: from the first row to the last, a frame's stamp is its middle row's");
+    field("noise_grey", self.noise_grey, Range{0, 100}, "1 sigma of a pixel");
+    field("gain_ramp_ratio", self.gain_ramp_ratio, Range{-0.99, 10},
+          "change of exposure from the first frame to the last, 0.3: 30 % brighter");
+    field("flicker_ratio", self.flicker_ratio, Range{0, 0.9},
+          "largest random change of a frame's exposure");
+  }
+
+  /// Exposure, in parts of the first frame's: `progress` from 0 to 1, `draw` from -1 to 1.
+  [[nodiscard]] double gain(double progress, double draw) const {
+    return (1 + gain_ramp_ratio * progress) * (1 + flicker_ratio * draw);
+  }
+
+  [[nodiscard]] Camera lens() const {
+    return {width_px,    height_px,   focal_x_px, focal_y_px,
+            centre_x_px, centre_y_px, distortion, coefficients};
+  }
+};
+
+struct GroundConfig {
+  std::optional<std::filesystem::path> photograph{};
+  std::optional<double> metres_per_texel{};
+  int side_texels = 4096;
+  ReliefConfig relief{};
+
+  static void fields(auto& self, auto&& field) {
+    field("photograph", self.photograph, "picture of a ground seen from above; null: made here");
+    field("metres_per_texel", self.metres_per_texel, kPositive,
+          "size of the ground's pixels; null: 0.8 picture pixels at the start");
+    field("side_texels", self.side_texels, Range{64, 16384}, "of a ground made here; it repeats");
+    field("relief", self.relief, "hills");
+  }
+};
+
+/// A vehicle that drives across the picture, again and again.
+struct VehicleConfig {
+  double image_share = 0.04;
+  double crossing_s = 15;
+
+  static void fields(auto& self, auto&& field) {
+    field("image_share", self.image_share, Range{1e-4, 0.5}, "of the picture that it covers");
+    field("crossing_s", self.crossing_s, kPositive, "from one side of the picture to the other");
+  }
+};
+
+struct SimulationConfig {
+  int seed = 1;
+  SimulatedCameraConfig camera{};
+  FlightConfig flight{};
+  GroundConfig ground{};
+  std::optional<VehicleConfig> vehicle{};
+  ImuConfig imu{};
+  RangeConfig range{};
+
+  static void fields(auto& self, auto&& field) {
+    field("seed", self.seed, kAnySeed, "of everything random");
+    field("camera", self.camera, "lens, sensor and mount");
+    field("flight", self.flight, "the way");
+    field("ground", self.ground, "what is seen");
+    field("vehicle", self.vehicle, "something that moves on the ground; null: nothing");
+    field("imu", self.imu, "gyroscope and accelerometer");
+    field("range", self.range, "range finder along the body's -z");
+  }
+};
+
+}  // namespace stillkite

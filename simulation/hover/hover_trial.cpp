@@ -1,0 +1,103 @@
+#include "simulation/hover/hover_trial.hpp"
+
+#include "geometry/euler.hpp"
+#include "navigation/hover_pilot.hpp"
+#include "simulation/camera_mount.hpp"
+#include "simulation/hover/fault_effects.hpp"
+#include "simulation/hover/hover_inbox.hpp"
+#include "simulation/hover/hover_streams.hpp"
+#include "simulation/hover/hover_video.hpp"
+
+namespace stillkite {
+namespace {
+
+// Take-off, as it is and as it is known.
+struct HoverStart {
+  Eigen::Vector3d in_world_m;
+  InitialState known;
+};
+
+HoverStart start_of(const RigidTransform& world_from_body, double known_height_m) {
+  return {.in_world_m = world_from_body.translation,
+          .known = {.world_from_body = {world_from_body.rotation, {0, 0, known_height_m}},
+                    .scale = ScaleSource::initial_height}};
+}
+
+RigidTransform gimbal(const HoverConfig& config) {
+  return camera_raised_forward(config.plant.camera.forward_tilt_deg);
+}
+
+HoverPilot pilot_at(const HoverStart& start, const HoverConfig& config) {
+  return {config.plant.camera.lens(), gimbal(config), config.navigator,
+          config.estimator,           config.hold,    start.known};
+}
+
+EstimateError error_of(const NavigationEstimate& estimate, const HoverStart& start,
+                       const HoverConfig& config, const DroneTruth& truth) {
+  const RigidTransform world_from_estimate{
+      .rotation = Eigen::Quaterniond::Identity(),
+      .translation = start.in_world_m - start.known.world_from_body.translation};
+  return estimate_error(estimate, gimbal(config), world_from_estimate,
+                        {truth.world_from_camera, truth.velocity_in_world_m_s});
+}
+
+TrialSample sample_of(const HoverPlant& plant, const Eigen::Vector3d& start_in_world_m,
+                      const PilotStep& in_force) {
+  const RigidTransform& drone = plant.truth().world_from_body;
+  TrialSample sample;
+  sample.t_s = to_seconds(plant.now());
+  sample.drone_in_world_m = drone.translation;
+  sample.displacement_in_world_m = drone.translation - start_in_world_m;
+  sample.station_in_world_m = plant.world_from_station().translation;
+  sample.yaw_rad = to_euler(drone.rotation).yaw_rad;
+  sample.action = in_force.decision.action;
+  sample.reason = in_force.decision.reason;
+  sample.verdict = in_force.estimate.verdict;
+  sample.command = in_force.decision.command;
+  return sample;
+}
+
+}  // namespace
+
+std::vector<Trial> make_trials(const HoverConfig& config) {
+  Random seeds = hover_random(static_cast<std::uint64_t>(config.seed), HoverStream::trials);
+  std::vector<Trial> trials;
+  for (const auto& [axis, name] : EnumNames<PaperAxis>::value) {
+    for (int i = 0; i < config.trials.on + config.trials.off; ++i) {
+      trials.push_back(
+          {.axis = axis, .stabilized = i < config.trials.on, .seed = seeds.bits() >> 11});
+    }
+  }
+  return trials;
+}
+
+TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world, const Trial& trial,
+                      const TrialObserver& observer) {
+  HoverPlant plant(config, trial);
+  HoverSensors sensors(config.plant.sensors,
+                       hover_random(trial.seed, HoverStream::trial_sensors).bits());
+  HoverVideo video(config, world, trial);
+  HoverInbox inbox(plant.world_from_station().rotation.conjugate());
+  const RigidTransform& drone = plant.truth().world_from_body;
+  const HoverStart start = start_of(drone, sensors.known_height_m(drone.translation.z()));
+  HoverPilot pilot = pilot_at(start, config);
+  TrialRecord record{.trial = trial, .samples = {}, .kicks = plant.kicks(), .estimate_errors = {}};
+  for (PilotStep last; !plant.is_over(); plant.step(last.decision.command)) {
+    const Timestamp now = plant.now();
+    // 1. What the sensors measure, and what the camera sees.
+    inbox.take(with_fault(sensors.read(plant.truth(), now), plant.fault()));
+    const bool is_exposed = video.expose(plant.truth(), inbox.attitude(), now, plant.fault());
+    // 2. A picture becomes a command, and its estimate is held against the truth.
+    if (const std::optional<SentPicture> seen = video.take(now)) {
+      last = pilot.step(seen->frame, inbox.readings(seen->frame.stamp, seen->attitude, now));
+      if (!trial.stabilized) last.decision = {};  // looked at, not obeyed
+      record.estimate_errors.push_back(error_of(last.estimate, start, config, seen->truth));
+      if (observer) observer(seen->frame, last.estimate, last.decision);
+    }
+    // 3. The truth, a row for every picture of the camera.
+    if (is_exposed) record.samples.push_back(sample_of(plant, start.in_world_m, last));
+  }
+  return record;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,162 @@
+// Where a sample lies in a patch's picture, and what is there: compiled once a target of Highway,
+// as part of the kernel that includes it.
+
+#if defined(STILLKITE_PATCH_LOOKUP_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef STILLKITE_PATCH_LOOKUP_INL
+#undef STILLKITE_PATCH_LOOKUP_INL
+#else
+#define STILLKITE_PATCH_LOOKUP_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include "simulation/render/patch_kernel.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace stillkite {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A row of a tile is a whole number of vectors.
+using F = hn::CappedTag<float, BearingSegment::kColumns>;
+using I = hn::RebindToSigned<F>;
+using U = hn::RebindToUnsigned<F>;
+using VF = hn::Vec<F>;
+using VI = hn::Vec<I>;
+using VU = hn::Vec<U>;
+using Mask = hn::Mask<F>;
+
+HWY_INLINE VF along(const std::array<float, 3>& a, VF x, VF y) {
+  const F f;
+  return hn::MulAdd(hn::Set(f, a[0]), x, hn::MulAdd(hn::Set(f, a[1]), y, hn::Set(f, a[2])));
+}
+
+HWY_INLINE VF blend(VF a, VF b, VF ratio) {
+  return hn::MulAdd(ratio, hn::Sub(b, a), a);
+}
+
+template <int kShift>
+HWY_INLINE VF byte_of(VU quad) {
+  VU byte = quad;
+  if constexpr (kShift > 0) byte = hn::ShiftRight<kShift>(byte);
+  if constexpr (kShift < 24) byte = hn::And(byte, hn::Set(U(), 255U));
+  return hn::ConvertTo(F(), hn::BitCast(I(), byte));
+}
+
+HWY_INLINE VF within_quad(VU quad, VF a, VF b) {
+  return blend(blend(byte_of<0>(quad), byte_of<16>(quad), a),
+               blend(byte_of<8>(quad), byte_of<24>(quad), a), b);
+}
+
+// A coordinate reflected about the centres of the first and the last texel.
+HWY_INLINE VF reflect(VF u, float last) {
+  const F f;
+  const float period = 2 * last;
+  const VF turns = hn::Round(hn::Mul(u, hn::Set(f, 1 / period)));
+  return hn::Abs(hn::NegMulAdd(turns, hn::Set(f, period), u));
+}
+
+// Four texels about a place in a picture: their bytes' offset, and how far on it is between them.
+struct QuadPlace {
+  VI offset;
+  VF a, b;
+};
+
+// Whole numbers up to 2^22 are the last bits of 2^23 plus them: shorter than conversions, which
+// look after what is too large.
+HWY_INLINE QuadPlace place_at(const PatchLevel& level, VF level_u, VF level_v) {
+  const F f;
+  const U w;
+  constexpr float kToBits = 0x1.0p23F;
+  constexpr std::uint32_t kBits = 0x4b000000U;  // of kToBits
+  const VF zero = hn::Zero(f);
+  const VF at_u = hn::Min(hn::Max(level_u, zero), hn::Set(f, level.last_u));
+  const VF at_v = hn::Min(hn::Max(level_v, zero), hn::Set(f, level.last_v));
+  const VF column = hn::Floor(at_u);
+  const VF row = hn::Floor(at_v);
+  const VU column_bits = hn::BitCast(w, hn::Add(column, hn::Set(f, kToBits)));
+  const VU row_bits = hn::BitCast(w, hn::Add(row, hn::Set(f, kToBits)));
+  const VU first = hn::Set(w, level.offset - kBits * (level.pitch + 2));
+  const VU along_row = hn::Add(hn::Add(column_bits, column_bits), first);
+  const VU offset = hn::Add(hn::Mul(row_bits, hn::Set(w, level.pitch)), along_row);
+  return {hn::BitCast(I(), offset), hn::Sub(at_u, column), hn::Sub(at_v, row)};
+}
+
+// From coordinates of the finest level.
+HWY_INLINE QuadPlace place_on(const PatchLevel& level, VF u, VF v) {
+  const F f;
+  const VF scale = hn::Set(f, level.scale);
+  const VF shift = hn::Set(f, level.shift);
+  return place_at(level, hn::MulAdd(u, scale, shift), hn::MulAdd(v, scale, shift));
+}
+
+// The pyramid level of the logarithm of the footprint, rounded up for as many samples of a pixel as
+// its fraction says: their mean goes over from level to level, for one read a sample.
+HWY_INLINE VF level_at(const PatchView& patch, VF depth, float round_up) {
+  const F f;
+  const VF area =
+      hn::Mul(hn::Mul(hn::Mul(depth, depth), depth), hn::Set(f, patch.texels_per_cubed_depth));
+  // the bits of a float are, but for scale and offset, its logarithm, linear between powers of two
+  const VF bits = hn::ConvertTo(f, hn::BitCast(I(), hn::Max(area, hn::Set(f, 1.0F))));
+  const VF logarithm = hn::MulAdd(bits, hn::Set(f, 0x1.0p-24F), hn::Set(f, -63.5F));
+  const auto last = static_cast<float>(patch.level_count - 1);
+  return hn::Min(hn::Floor(hn::Add(logarithm, hn::Set(f, round_up))), hn::Set(f, last));
+}
+
+// The level of all that a tile shows of a patch, -1 where it is not one.
+HWY_INLINE int only_level(const PatchCandidate& candidate, float round_up) {
+  if (!(candidate.least_inverse_depth > 0)) return -1;
+  const F f;
+  const auto level = [&](float inverse_depth) HWY_ATTR {
+    const VF depth = hn::Set(f, 1.0F / inverse_depth);
+    return static_cast<int>(hn::GetLane(level_at(*candidate.view, depth, round_up)));
+  };
+  const int farthest = level(candidate.least_inverse_depth);
+  return level(candidate.most_inverse_depth) == farthest ? farthest : -1;
+}
+
+// `only`: the level of the whole tile, if it is one; `seen`: where it matters.
+template <bool kEverywhere>
+HWY_INLINE QuadPlace place_in(const PatchView& patch, VF x, VF y, float round_up, Mask seen,
+                              const PatchLevel* only) {
+  const F f;
+  const I i;
+  const VF one = hn::Set(f, 1.0F);
+  VF inverse_depth = along(patch.inverse_depth, x, y);
+  if constexpr (!kEverywhere) inverse_depth = hn::IfThenElse(seen, inverse_depth, one);
+  const VF depth = hn::Div(one, inverse_depth);
+  VF u = hn::Mul(depth, along(patch.u, x, y));
+  VF v = hn::Mul(depth, along(patch.v, x, y));
+  if constexpr (!kEverywhere) {
+    u = hn::IfThenElseZero(seen, u);
+    v = hn::IfThenElseZero(seen, v);
+  }
+  if (patch.mirrored) {
+    u = reflect(u, patch.levels[0].last_u);
+    v = reflect(v, patch.levels[0].last_v);
+  }
+  if (only != nullptr) return place_on(*only, u, v);
+  const VF level = level_at(patch, depth, round_up);
+  const float first = hn::GetLane(level);
+  const QuadPlace there = place_on(patch.levels[static_cast<int>(first)], u, v);
+  if (hn::AllTrue(f, hn::Eq(level, hn::Set(f, first)))) return there;
+
+  QuadPlace place = there;
+  const int lowest = static_cast<int>(hn::GetLane(hn::MinOfLanes(f, level)));
+  const int highest = static_cast<int>(hn::GetLane(hn::MaxOfLanes(f, level)));
+  for (int number = lowest; number <= highest; ++number) {
+    const Mask here = hn::Eq(level, hn::Set(f, static_cast<float>(number)));
+    if (hn::AllFalse(f, here)) continue;
+    const QuadPlace other = place_on(patch.levels[number], u, v);
+    place = {hn::IfThenElse(hn::RebindMask(i, here), other.offset, place.offset),
+             hn::IfThenElse(here, other.a, place.a), hn::IfThenElse(here, other.b, place.b)};
+  }
+  return place;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace stillkite
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <optional>
+
+#include "simulation/render/render_kernel.hpp"
+#include "simulation/render/renderer.hpp"
+
+namespace stillkite {
+
+/// The inner loop's constants for one pose over one ground. The camera is above z = 0.
+/// `sample_focal_px`: focal length in samples, for the pyramid level.
+[[nodiscard]] RenderView make_view(const Scene& scene, const RigidTransform& world_from_camera,
+                                   const std::optional<VehiclePlacement>& vehicle,
+                                   double sample_focal_px);
+
+}  // namespace stillkite

@@ -1,0 +1,145 @@
+#include "simulation/render/renderer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <opencv2/core/utility.hpp>
+#include <string>
+
+#include "simulation/render/render_view.hpp"
+
+namespace stillkite {
+namespace {
+
+// A picture is made in strips: what rows of a strip share on the ground then stays in the cache
+// even where they run across the texture's rows.
+constexpr int kStripWidth = 64;
+constexpr int kMaxSupersampling = 4;
+constexpr int kMaxSamples = kMaxSupersampling * kMaxSupersampling;
+
+// Position of a sample within its pixel, the pixel's centre being 0.
+double offset(int sample, int supersampling) {
+  return (sample + 0.5) / supersampling - 0.5;
+}
+
+}  // namespace
+
+Renderer::Renderer(const Camera& camera, int supersampling)
+    : camera_(camera),
+      supersampling_(supersampling),
+      padded_width_((camera.width_px + kRowPadding - 1) / kRowPadding * kRowPadding) {
+  if (camera.width_px < 1 || camera.height_px < 1 || !(camera.focal_x_px > 0) ||
+      !(camera.focal_y_px > 0)) {
+    throw InputError("camera: width, height and focal lengths must be > 0");
+  }
+  if (supersampling < 1 || supersampling > kMaxSupersampling) {
+    throw InputError("supersampling: must be 1 to 4, not " + std::to_string(supersampling));
+  }
+  if (camera.distortion == DistortionModel::none) {
+    tabulate_pinhole();
+  } else {
+    tabulate_lens();
+  }
+}
+
+void Renderer::tabulate_pinhole() {
+  const std::size_t width = padded_width_;
+  x_.resize(supersampling_ * width);
+  y_.resize(static_cast<std::size_t>(camera_.height_px) * supersampling_);
+  for (int sample = 0; sample < supersampling_; ++sample) {
+    const double within = offset(sample, supersampling_);
+    for (int column = 0; column < padded_width_; ++column) {
+      x_[sample * width + column] =
+          static_cast<float>((column + within - camera_.centre_x_px) / camera_.focal_x_px);
+    }
+    for (int row = 0; row < camera_.height_px; ++row) {
+      y_[static_cast<std::size_t>(row) * supersampling_ + sample] =
+          static_cast<float>((row + within - camera_.centre_y_px) / camera_.focal_y_px);
+    }
+  }
+}
+
+void Renderer::tabulate_lens() {
+  const std::size_t samples = static_cast<std::size_t>(supersampling_) * supersampling_;
+  const std::size_t width = padded_width_;
+  x_.resize(samples * width * camera_.height_px);
+  y_.resize(x_.size());
+  cv::parallel_for_(cv::Range(0, camera_.height_px), [&](const cv::Range& rows) {
+    for (int row = rows.start; row < rows.end; ++row) {
+      for (std::size_t sample = 0; sample < samples; ++sample) {
+        const double down = offset(static_cast<int>(sample) / supersampling_, supersampling_);
+        const double right = offset(static_cast<int>(sample) % supersampling_, supersampling_);
+        for (int column = 0; column < padded_width_; ++column) {
+          const std::optional<Eigen::Vector2d> bearing =
+              undistort(camera_, {column + right, row + down});
+          const std::size_t at = (row * samples + sample) * width + column;
+          // what the lens cannot see is never below the horizon: comparisons with NaN fail
+          constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
+          x_[at] = bearing ? static_cast<float>(bearing->x()) : kNowhere;
+          y_[at] = bearing ? static_cast<float>(bearing->y()) : kNowhere;
+        }
+      }
+    }
+  });
+}
+
+cv::Mat Renderer::render(const Scene& scene, const RigidTransform& world_from_camera,
+                         const std::optional<VehiclePlacement>& vehicle) const {
+  cv::Mat picture(camera_.height_px, camera_.width_px, CV_32FC1);
+  render_rows(scene, world_from_camera, vehicle, {0, camera_.height_px}, picture);
+  return picture;
+}
+
+void Renderer::render_rows(const Scene& scene, const RigidTransform& world_from_camera,
+                           const std::optional<VehiclePlacement>& vehicle, const cv::Range& rows,
+                           cv::Mat& picture) const {
+  if (!(world_from_camera.translation.z() > 0)) {
+    picture.rowRange(rows).setTo(scene.sky_grey);
+    return;
+  }
+  const double sample_focal_px = supersampling_ * std::min(camera_.focal_x_px, camera_.focal_y_px);
+  const RenderView view = make_view(scene, world_from_camera, vehicle, sample_focal_px);
+  for (int column = 0; column < padded_width_; column += kStripWidth) {
+    render_strip(view, column, std::min(kStripWidth, padded_width_ - column), rows, picture);
+  }
+}
+
+void Renderer::render_strip(const RenderView& frame_view, int first, int count,
+                            const cv::Range& rows, cv::Mat& picture) const {
+  RenderView view = frame_view;
+  const int samples = supersampling_ * supersampling_;
+  const std::size_t width = padded_width_;
+  const bool pinhole = camera_.distortion == DistortionModel::none;
+  std::array<float, kStripWidth> grey{};
+  std::array<float, kMaxSamples * kStripWidth> heights{};
+  std::array<float*, kMaxSamples> height_rows{};
+  std::array<const float*, kMaxSamples> x_rows{};
+  std::array<const float*, kMaxSamples> y_rows{};
+  for (int sample = 0; sample < samples; ++sample) {
+    height_rows[sample] = &heights[sample * kStripWidth];
+    x_rows[sample] = &x_[sample % supersampling_ * width + first];
+  }
+  for (int row = rows.start; row < rows.end; ++row) {
+    for (int sample = 0; sample < samples; ++sample) {
+      const std::size_t at = (static_cast<std::size_t>(row) * samples + sample) * width + first;
+      if (!pinhole) x_rows[sample] = &x_[at];
+      y_rows[sample] = pinhole ? &y_[row * supersampling_ + sample / supersampling_] : &y_[at];
+    }
+    // the first row starts from z = 0, the others from the row above
+    constexpr int kFirstSteps = 20;
+    constexpr int kFollowingSteps = 2;
+    view.relief_steps = row == rows.start ? kFirstSteps : kFollowingSteps;
+    render_row(view, {.count = count,
+                      .samples = samples,
+                      .bearing_x = x_rows.data(),
+                      .bearing_y = y_rows.data(),
+                      .even_y = pinhole,
+                      .ground_height_m = height_rows.data(),
+                      .grey = grey.data()});
+    std::copy_n(grey.data(), std::min(count, camera_.width_px - first),
+                picture.ptr<float>(row) + first);
+  }
+}
+
+}  // namespace stillkite

@@ -1,0 +1,92 @@
+#include "simulation/scene/surface_picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "simulation/random.hpp"
+#include "simulation/scene/fractal_noise.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr int kFractionBits = 4;  // of a drawn point
+
+cv::Point fine_point(double x, double y) {
+  return {static_cast<int>(std::lround(x * (1 << kFractionBits))),
+          static_cast<int>(std::lround(y * (1 << kFractionBits)))};
+}
+
+// Every other row of tiles is shifted by half a tile, as bricks and planks are.
+cv::Mat tiled(const SurfaceStyle& style, int width, int height, std::uint64_t seed) {
+  cv::Mat offset(height, width, CV_32FC1, cv::Scalar(0));
+  Random random(seed, 10);
+  for (int row = 0; row * style.tile_height < height; ++row) {
+    const int shift = row % 2 * style.tile_width / 2;
+    for (int column = 0; column * style.tile_width < width + shift; ++column) {
+      const cv::Rect tile(column * style.tile_width - shift, row * style.tile_height,
+                          style.tile_width, style.tile_height);
+      const cv::Scalar grey(style.tile_grey * random.normal());
+      cv::rectangle(offset, tile, grey, cv::FILLED);
+      cv::rectangle(offset, tile, cv::Scalar(style.joint_grey), 1);
+    }
+  }
+  return offset;
+}
+
+// A filled rectangle at any angle, with a bar or two of another grey on it.
+void draw_label(cv::Mat& picture, double grey, double size, Random& random) {
+  const double turn =
+      random.uniform() < 0.6 ? 0.05 * random.normal() : random.uniform(0, std::numbers::pi);
+  const double half_length = 0.5 * size * random.uniform(0.7, 2);
+  const double half_width = 0.5 * size * random.uniform(0.3, 1);
+  const double x = random.uniform(0, picture.cols);
+  const double y = random.uniform(0, picture.rows);
+  const auto bar = [&](double from, double to, double share, double bar_grey) {
+    const auto corner = [&](double along, double across) {
+      return fine_point(x + along * std::cos(turn) - across * std::sin(turn),
+                        y + along * std::sin(turn) + across * std::cos(turn));
+    };
+    const std::array<cv::Point, 4> corners{corner(-share * half_length, from * half_width),
+                                           corner(share * half_length, from * half_width),
+                                           corner(share * half_length, to * half_width),
+                                           corner(-share * half_length, to * half_width)};
+    cv::fillConvexPoly(picture, corners.data(), 4, cv::Scalar(bar_grey), cv::LINE_AA,
+                       kFractionBits);
+  };
+  bar(-1, 1, 1, grey);
+  if (size < 10) return;
+  const double ink = grey > 128 ? grey - random.uniform(40, 90) : grey + random.uniform(40, 90);
+  const int lines = 1 + static_cast<int>(random.uniform(0, 3));
+  for (int line = 0; line < lines; ++line) {
+    const double middle = (line + 1.0) / (lines + 1) * 2 - 1;
+    bar(middle - 0.12, middle + 0.12, random.uniform(0.3, 0.85), ink);
+  }
+}
+
+}  // namespace
+
+cv::Mat surface_picture(const SurfaceStyle& style, int width, int height, std::uint64_t seed) {
+  const cv::Mat grain = fractal_noise(width, height, seed);
+  cv::Mat picture;
+  if (style.tile_width > 0 && style.tile_height > 0) {
+    cv::Mat surface;
+    cv::scaleAdd(grain, style.grain_grey, tiled(style, width, height, seed), surface);
+    surface.convertTo(picture, CV_8UC1, 1, style.grey);
+  } else {
+    grain.convertTo(picture, CV_8UC1, style.grain_grey, style.grey);
+  }
+  Random random(seed, 11);
+  const auto marks =
+      static_cast<int>(style.marks_a_megatexel * 1e-6 * static_cast<double>(picture.total()));
+  for (int mark = 0; mark < marks; ++mark) {
+    const double size = style.mark_size * 0.4 / (1.05 - random.uniform());
+    const double grey = style.grey + style.mark_grey * random.uniform(-1, 1);
+    draw_label(picture, std::clamp(grey, 5.0, 250.0), std::min(size, 8 * style.mark_size), random);
+  }
+  return picture;
+}
+
+}  // namespace stillkite

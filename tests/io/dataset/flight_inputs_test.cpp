@@ -1,0 +1,193 @@
+#include "io/dataset/flight_inputs.hpp"
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/io/temporary_folder.hpp"
+
+namespace stillkite {
+namespace {
+
+class Inputs : public testing::Test {
+ protected:
+  Inputs() { config.calibration.camera = CameraConfig{}; }
+
+  FlightInputs read() { return read_flight_inputs(config, first); }
+  std::string error() {
+    return input_error_of(folder, [&] { (void)read(); });
+  }
+
+  TemporaryFolder folder;
+  RunConfig config;
+  Frame first{.stamp = from_seconds(1.5), .grey = cv::Mat(1080, 1920, CV_8UC1)};
+};
+
+TEST_F(Inputs, WithoutAnyHeightTheUnitIsTheInitialHeight) {
+  const FlightInputs inputs = read();
+  EXPECT_EQ(inputs.initial.scale, ScaleSource::none);
+  EXPECT_EQ(inputs.initial.world_from_body.translation, Eigen::Vector3d(0, 0, 1));
+  EXPECT_TRUE(inputs.truth.empty());
+}
+
+TEST_F(Inputs, TheMountTurnsTheCameraByItsAngleBelowTheHorizon) {
+  struct Case {
+    double down_deg;
+    Eigen::Vector3d axis;  // optical, in the body
+  };
+  const double r = std::sqrt(0.5);
+  for (const Case& c : {Case{0, {1, 0, 0}}, Case{90, {0, 0, -1}}, Case{45, {r, 0, -r}}}) {
+    config.mount.down_deg = c.down_deg;
+    const Eigen::Quaterniond q = read().body_from_camera.rotation;
+    EXPECT_LT((q * Eigen::Vector3d::UnitZ() - c.axis).norm(), 1e-12) << c.down_deg;
+    EXPECT_LT((q * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
+  }
+  // looking down the picture's top is the nose
+  config.mount.down_deg.reset();
+  const Eigen::Quaterniond q = read().body_from_camera.rotation;
+  EXPECT_LT((q * Eigen::Vector3d(0, -1, 0) - Eigen::Vector3d::UnitX()).norm(), 1e-12);
+}
+
+TEST_F(Inputs, TheStartIsTheTruthAtTheFirstFrame) {
+  config.truth.path = folder.file("t.tum", "1 0 0 10 0 0 0 1\n2 2 4 20 0 0 0 1\n");
+  config.initial.from_truth = true;
+  const FlightInputs inputs = read();
+  EXPECT_EQ(inputs.initial.scale, ScaleSource::initial_height);
+  EXPECT_LT((inputs.initial.world_from_body.translation - Eigen::Vector3d(1, 2, 15)).norm(), 1e-12);
+  EXPECT_EQ(inputs.truth.size(), 2u);
+
+  config.truth.ground_z_m = 2.5;
+  EXPECT_EQ(read().initial.world_from_body.translation.z(), 12.5);
+  EXPECT_EQ(read().truth[1].world_from_body.translation.z(), 17.5);
+
+  first.stamp = from_seconds(0.5);
+  EXPECT_EQ(error(),
+            "initial.from_truth: the truth's stamps are 1 s to 2 s, the first frame's is 0.5 s; "
+            "choose source.start_s within them");
+  config.truth.path.reset();
+  EXPECT_NE(error().find("there is no truth"), std::string::npos);
+}
+
+TEST_F(Inputs, ATruthFolderWithoutDataIsNoTruth) {
+  folder.write("truth/sensor.yaml", "x: 1\n");
+  config.truth.path = folder.path() / "truth";
+  EXPECT_TRUE(read().truth.empty());
+}
+
+TEST_F(Inputs, ARangeFinderGivesTheStartsHeight) {
+  config.height = {.source = HeightSource::range,
+                   .path = folder.file("h.csv", "t [s],h\n1.4,8\n1.6,10\n")};
+  const FlightInputs inputs = read();
+  EXPECT_EQ(inputs.initial.scale, ScaleSource::range);
+  EXPECT_NEAR(inputs.initial.world_from_body.translation.z(), 9, 1e-9);
+}
+
+TEST_F(Inputs, ARangeFinderThatContradictsTheHeightByFarIsAnError) {
+  config.height = {.source = HeightSource::range,
+                   .path = folder.file("h.csv", "t [s],h\n1.4,8000\n1.6,8100\n")};
+  config.initial.height_m = 8;
+  EXPECT_NE(error().find("is one of them not in metres?"), std::string::npos);
+  config.initial.height_m = 8100;
+  EXPECT_EQ(error(), "accepted");
+}
+
+TEST_F(Inputs, TwoStartsAreAnError) {
+  config.truth.path = folder.file("t.tum", "1 0 0 10 0 0 0 1\n2 2 4 20 0 0 0 1\n");
+  config.initial.from_truth = true;
+  config.initial.height_m = 20;
+  EXPECT_NE(error().find("are both given; keep one"), std::string::npos);
+}
+
+TEST_F(Inputs, ALensHasAsManyCoefficientsAsItsModel) {
+  CameraConfig& camera = *config.calibration.camera;
+  camera.coefficients = {-0.3, 0.1, 0, 0};
+  EXPECT_EQ(error(),
+            "calibration.camera.coefficients: 4 coefficients of no model; give distortion too");
+  camera.distortion = DistortionModel::radial_tangential;
+  EXPECT_EQ(error(), "accepted");
+  camera.coefficients = {-0.3, 0.1, 0};
+  EXPECT_NE(error().find("3 coefficients, 4, 5 or 8 are needed"), std::string::npos);
+  camera.coefficients = {-0.3, 0.1, 0, 0, 0};
+  camera.distortion = DistortionModel::equidistant;
+  EXPECT_NE(error().find("5 coefficients, 4 are needed"), std::string::npos);
+}
+
+// Its numbers would be left out silently.
+TEST_F(Inputs, APlaceOfTheCameraBesideTheCalibrationsIsAnError) {
+  config.calibration = {.path = folder.file("sensor.yaml", R"(sensor_type: camera
+camera_model: pinhole
+resolution: [1920, 1080]
+intrinsics: [1152, 1152, 959.5, 539.5]
+distortion_model: none
+T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
+)"),
+                        .camera = {}};
+  EXPECT_EQ(error(), "accepted");
+  config.mount.position_m = {0.1, 0, 0};
+  EXPECT_NE(error().find("mount.position_m: the calibration says where"), std::string::npos);
+  config.mount.down_deg = 30;
+  EXPECT_EQ(error(), "accepted");
+}
+
+TEST_F(Inputs, ABarometerIsTiedToTheInitialHeight) {
+  config.height = {.source = HeightSource::barometer,
+                   .path = folder.file("h.csv", "t [s],h\n1.4,308\n1.6,310\n")};
+  EXPECT_NE(error().find("a barometer gives changes only"), std::string::npos);
+  config.initial.height_m = 20;
+  EXPECT_NEAR(read().sensors.height_m.values[1], 21, 1e-9);
+}
+
+TEST_F(Inputs, AMaskIsBlackWhereNoWorldIsSeen) {
+  EXPECT_EQ(read().mask, nullptr);
+  cv::Mat mask(1080, 1920, CV_8UC3, cv::Scalar::all(255));
+  mask.rowRange(0, 270) = cv::Scalar::all(0);
+  const std::filesystem::path file = folder.path() / "mask.png";
+  config.calibration.mask_path = file;
+  const auto error_with = [&](const cv::Mat& picture) {
+    cv::imwrite(file.string(), picture);
+    return error();
+  };
+  EXPECT_EQ(error_with(mask), "accepted");
+  EXPECT_DOUBLE_EQ(read().mask->hidden_ratio(), 0.25);
+  EXPECT_EQ(read().mask->hidden_ratio(960, 100, 10, 10), 1);
+  EXPECT_NE(error_with(mask.rowRange(0, 1000)).find("is 1920x1000, the pictures are 1920x1080"),
+            std::string::npos);
+  EXPECT_NE(error_with(0 * mask).find("is black all over"), std::string::npos);
+  std::filesystem::remove(file);
+  EXPECT_NE(error().find("is missing or no picture"), std::string::npos);
+}
+
+TEST_F(Inputs, MessagesNameWhatToMend) {
+  first.grey = cv::Mat(480, 640, CV_8UC1);
+  config.source.path = "v.mp4";
+  EXPECT_EQ(error(),
+            "calibration.camera: is a calibration for pictures of 1920x1080, those of v.mp4 are "
+            "640x480; give the one of this resolution");
+  config.calibration.path = "c.yaml";
+  EXPECT_EQ(error(), "calibration.path and calibration.camera are both given; keep one");
+  config.calibration = {};
+  EXPECT_EQ(error(),
+            "v.mp4: comes without a calibration; give calibration.path or calibration.camera");
+  config.calibration.camera =
+      CameraConfig{.width_px = 640, .height_px = 480, .centre_x_px = 320, .centre_y_px = 240};
+  config.gyro.path = config.imu.path = folder.file("imu.csv", "1,0,0,0,0,0,9.8\n");
+  EXPECT_EQ(error(), "gyro.path and imu.path: give one; imu.path has the angular rates too");
+  config.gyro = config.imu = {};
+  config.height.source = HeightSource::range;
+  EXPECT_NE(error().find("height.source and height.path belong together"), std::string::npos);
+  config.height.path = folder.file("range.csv", "1000000000,0\n2000000000,-1\n");
+  EXPECT_EQ(error(), "range.csv: tells no distance above 0");
+  config.height = {};
+  config.truth.path = folder.file("t.tum", "1 0 0 -3 0 0 0 1\n2 2 4 -3 0 0 0 1\n");
+  config.initial.from_truth = true;
+  EXPECT_NE(error().find("the camera starts at the height -3.000 m"), std::string::npos);
+}
+
+TEST_F(Inputs, WithoutAnEchoARangeFinderTellsNothing) {
+  config.height.source = HeightSource::range;
+  config.height.path =
+      folder.file("range.csv", "1000000000,20\n1100000000,0\n1200000000,-1\n1300000000,20\n");
+  EXPECT_EQ(read().sensors.height_m.values, (std::vector<double>{20, 20}));
+}
+
+}  // namespace
+}  // namespace stillkite

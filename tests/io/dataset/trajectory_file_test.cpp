@@ -1,0 +1,85 @@
+#include "io/dataset/trajectory_file.hpp"
+
+#include "tests/io/temporary_folder.hpp"
+
+namespace stillkite {
+namespace {
+
+TEST(TrajectoryFile, TumReadsBackExactly) {
+  const TemporaryFolder folder;
+  std::string text = kTumHeader;
+  std::vector<StampedPose> poses;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d w(0.1 * i, -0.03 * i, 0.7);
+    poses.push_back({{1403715273262142976 + i * 33333333LL},
+                     {so3_exp(w), {0.1 * i, 1.0 / (i + 1), -i * 1e-7}}});
+    text += tum_line(poses.back());
+  }
+  const std::vector<StampedPose> read = read_trajectory(folder.file("trajectory.tum", text));
+  ASSERT_EQ(read.size(), poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_EQ(read[i].stamp, poses[i].stamp);
+    EXPECT_EQ(read[i].world_from_body.translation, poses[i].world_from_body.translation);
+    EXPECT_LT(
+        angle_between_rad(read[i].world_from_body.rotation, poses[i].world_from_body.rotation),
+        1e-15);
+  }
+  EXPECT_EQ(read_trajectory(folder.path()).size(), poses.size());  // as a run's output folder
+}
+
+TEST(TrajectoryFile, EurocAndTumNameTheSamePose) {
+  const TemporaryFolder folder;
+  const auto euroc = read_trajectory(folder.file(
+      "euroc/data.csv",
+      "#timestamp, px, py, pz, qw, qx, qy, qz, vx\n1500000000,1,2,3,0.5,-0.5,0.5,0.5,9\n"));
+  const auto tum = read_trajectory(folder.file("a.txt", "1.5 1 2 3 -0.5 0.5 0.5 0.5\n"));
+  ASSERT_EQ(euroc.size(), 1u);
+  ASSERT_EQ(tum.size(), 1u);
+  EXPECT_EQ(euroc[0].stamp, tum[0].stamp);
+  EXPECT_EQ(euroc[0].world_from_body.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(euroc[0].world_from_body.rotation.coeffs(), tum[0].world_from_body.rotation.coeffs());
+  EXPECT_EQ(euroc[0].world_from_body.rotation.w(), 0.5);
+}
+
+// The truth would be judged against itself.
+TEST(TrajectoryFile, ATruthBesideARunsTrajectoryIsToBeNamed) {
+  const TemporaryFolder folder;
+  folder.write("flight/state_groundtruth_estimate0/data.csv", "1500000000,1,2,3,1,0,0,0\n");
+  EXPECT_TRUE(find_trajectory(folder.path() / "flight").has_value());
+  folder.write("flight/trajectory.tum", "1.5 1 2 3 0 0 0 1\n");
+  EXPECT_EQ(input_error_of(folder, [&] { (void)find_trajectory(folder.path() / "flight"); }),
+            "flight: holds a truth (state_groundtruth_estimate0/data.csv) and a run's "
+            "trajectory.tum; name one file");
+}
+
+TEST(TrajectoryFile, AFolderWithoutDataHasNoTruth) {
+  const TemporaryFolder folder;
+  folder.write("truth/sensor.yaml", "comment: none\n");
+  EXPECT_FALSE(find_trajectory(folder.path() / "truth").has_value());
+  EXPECT_THROW((void)find_trajectory(folder.path() / "nowhere"), InputError);
+  EXPECT_THROW((void)read_trajectory(folder.path() / "truth"), InputError);
+}
+
+TEST(TrajectoryFile, RejectsWhatIsNoPose) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& text) {
+    return input_error_of(folder, [&] { (void)read_trajectory(folder.file("a.tum", text)); });
+  };
+  EXPECT_EQ(error("0 1 2 3 0 0 0 2\n"), "a.tum:1: the quaternion's length is 2, it must be 1");
+  EXPECT_EQ(error("0 1 2 3 0 0 0\n"),
+            "a.tum:1: 7 columns, at least 8 separated by blanks are needed");
+  EXPECT_EQ(error("# only a comment\n"), "a.tum: has no row of data");
+  EXPECT_EQ(error("0 nan 2 3 0 0 0 1\n"), "a.tum:1: column 2: 'nan' is not a finite number");
+}
+
+TEST(TrajectoryFile, ReadsTwistsOfTheCamera) {
+  const TemporaryFolder folder;
+  const auto twists =
+      read_twists(folder.file("velocity.csv", "#timestamp [ns],v,,,w,,\n7,1,2,3,4,5,6\n"));
+  ASSERT_EQ(twists.size(), 1u);
+  EXPECT_EQ(twists[0].stamp.ns, 7);
+  EXPECT_EQ(twists[0].twist.vector(), (Vector6d() << 1, 2, 3, 4, 5, 6).finished());
+}
+
+}  // namespace
+}  // namespace stillkite

@@ -1,0 +1,137 @@
+#include <nlohmann/json.hpp>
+
+#include "io/dataset/table_reader.hpp"
+#include "io/dataset/trajectory_file.hpp"
+#include "io/results/command_recorder.hpp"
+#include "io/results/estimates_csv.hpp"
+#include "io/results/run_recorder.hpp"
+#include "io/results/run_summary.hpp"
+#include "io/text_file.hpp"
+#include "tests/io/temporary_folder.hpp"
+
+namespace stillkite {
+namespace {
+
+NavigationEstimate sample(int i) {
+  NavigationEstimate e;
+  e.stamp = {1403715273262142976 + i * 40000000LL};
+  e.frame_index = i;
+  e.verdict = i == 0 ? Verdict::first_frame : i == 3 ? Verdict::frozen : Verdict::ok;
+  e.world_from_body = {so3_exp({0.01 * i, 0.02, 0.3}), {1.0 * i, -2.0, 100.0 / 3.0}};
+  e.twist_in_camera = {{1, 2, 3}, {4, 5, 6}};
+  if (i == 1) e.measured_twist = Twist{{7, 8, 9}, {10, 11, 12}};
+  e.pose_covariance.diagonal() << 1, 4, 9, 16, 25, 36;
+  e.scale = ScaleSource::range;
+  e.scale_age_s = 0.25;
+  e.stage_ms = {1, 2, 3, 4};
+  return e;
+}
+
+TEST(RunOutput, BothFilesReadBack) {
+  const TemporaryFolder folder;
+  {
+    RunRecorder recorder(folder.path());
+    for (int i = 0; i < 100; ++i) recorder.add(sample(i));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "estimates.csv"));
+    recorder.commit();
+  }
+  const auto poses = read_trajectory(folder.path());
+  ASSERT_EQ(poses.size(), 100u);
+  EXPECT_EQ(poses[7].stamp, sample(7).stamp);
+  EXPECT_EQ(poses[7].world_from_body.translation, sample(7).world_from_body.translation);
+
+  TableReader table(folder.path() / "estimates.csv", Separator::comma, 50);
+  for (int i = 0; i < 100; ++i) {
+    const NavigationEstimate e = sample(i);
+    ASSERT_TRUE(table.next());
+    EXPECT_EQ(table.stamp(), e.stamp);
+    EXPECT_EQ(table.number(1), i);
+    EXPECT_EQ(table.text(2), name_of(e.verdict));
+    EXPECT_NEAR(table.number(5), e.world_from_body.translation.z(), 1e-6);
+    EXPECT_NEAR(table.number(6), e.world_from_body.rotation.w(), 1e-8);
+    EXPECT_EQ(table.number(21), 6);  // wz_camera
+    if (e.measured_twist) {
+      EXPECT_EQ(table.number(22), 7);
+    } else {
+      EXPECT_EQ(table.text(22), "");
+    }
+    EXPECT_EQ(table.number(33), 6);  // sd_rz_world
+    EXPECT_EQ(table.text(40), "range");
+  }
+  EXPECT_FALSE(table.next());
+}
+
+TEST(RunOutput, TheHeaderNamesEveryCell) {
+  const std::string header = estimates_csv_header();
+  const std::string row = estimates_csv_row(sample(1));
+  EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
+  EXPECT_TRUE(header.ends_with("pyramid [ms],flow [ms],solve [ms],filter [ms]\n"));
+  EXPECT_TRUE(row.ends_with(",1,2,3,4\n"));
+}
+
+TEST(RunOutput, TheSummaryCountsAndHasNoNaN) {
+  std::vector<NavigationEstimate> estimates;
+  estimates.reserve(5);
+  for (int i = 0; i < 5; ++i) estimates.push_back(sample(i));
+  estimates.back().world_from_body.translation.x() = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<float> frame_ms{5, 1, 4, 2, 3};
+  const nlohmann::json summary =
+      run_summary(estimates, {.frames_read = 7, .frame_ms = frame_ms, .wall_s = 0.5}, nullptr);
+  EXPECT_EQ(summary["frames"], (nlohmann::json{{"read", 7}, {"used", 4}, {"rejected", 3}}));
+  EXPECT_EQ(summary["verdicts"]["ok"], 3);
+  EXPECT_EQ(summary["verdicts"]["frozen"], 1);
+  EXPECT_EQ(summary["verdicts"]["horizon"], 0);
+  EXPECT_EQ(summary["timing"]["frame_ms"]["median"], 3);
+  EXPECT_EQ(summary["timing"]["frame_ms"]["p99"], 5);
+  EXPECT_EQ(summary["timing"]["frames_per_s"], 10);
+  EXPECT_EQ(summary["timing"]["stages_ms"]["solve"], 3);
+  EXPECT_EQ(summary["scale"]["source"], "range");
+  EXPECT_EQ(summary["scale"]["age_s"], 0.25);
+  EXPECT_TRUE(summary["final"]["position_m"][0].is_null());
+  EXPECT_TRUE(summary["evaluation"].is_null());
+  EXPECT_GT(summary["memory"]["peak_rss_mib"].get<double>(), 1);
+  EXPECT_EQ(summary.dump().find("nan"), std::string::npos);
+}
+
+TEST(RunOutput, CommandsReadBackAndAreCounted) {
+  const TemporaryFolder folder;
+  CommandRecorder recorder(folder.path());
+  const HoldDecision command{.command = {0.1, -0.2, 0.3, -0.4},
+                             .action = HoldAction::command,
+                             .reason = HoldReason::none,
+                             .way_home_in_station_m = {1, -2, 3},
+                             .turn_home_rad = 0.5};
+  recorder.add({1000}, {});
+  recorder.add({2000}, command);
+  recorder.add({3000}, command);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "commands.csv"));
+  recorder.commit();
+  EXPECT_EQ(recorder.counts().issued, 2);
+  EXPECT_EQ(recorder.counts().held, 1);
+
+  TableReader table(folder.path() / "commands.csv", Separator::comma, 11);
+  ASSERT_TRUE(table.next());
+  EXPECT_EQ(table.text(1), "hold");
+  EXPECT_EQ(table.text(2), "no_estimate");
+  ASSERT_TRUE(table.next());
+  EXPECT_EQ(table.stamp(), Timestamp{2000});
+  EXPECT_EQ(table.text(1), "command");
+  const std::array expected{0.1, -0.2, 0.3, -0.4, 1.0, -2.0, 3.0, 0.5};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(table.number(static_cast<int>(i) + 3), expected[i]) << i;
+  }
+
+  const nlohmann::json with = run_summary({}, {.commands = recorder.counts()}, nullptr);
+  EXPECT_EQ(with["commands"], (nlohmann::json{{"issued", 2}, {"held", 1}}));
+  EXPECT_TRUE(run_summary({}, {}, nullptr)["commands"].is_null());
+}
+
+TEST(RunOutput, ARunOfNoFramesIsAllNull) {
+  const nlohmann::json summary = run_summary({}, {.wall_s = 0}, nullptr);
+  EXPECT_TRUE(summary["final"].is_null());
+  EXPECT_TRUE(summary["timing"]["frame_ms"]["median"].is_null());
+  EXPECT_TRUE(summary["timing"]["frames_per_s"].is_null());
+}
+
+}  // namespace
+}  // namespace stillkite

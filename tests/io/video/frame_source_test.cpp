@@ -1,0 +1,317 @@
+#include "io/video/frame_source.hpp"
+
+#include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <thread>
+
+#include "tests/io/temporary_folder.hpp"
+
+namespace stillkite {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 60;
+constexpr double kRate_hz = 30;
+
+// A flat grey that names its frame, so that order and content can be checked after compression.
+cv::Mat picture(int index, cv::Size size = {160, 96}) {
+  return cv::Mat(size, CV_8UC1, cv::Scalar(40 + 2 * index));
+}
+
+fs::path write_video(const fs::path& file, int frames = kFrames, cv::Size size = {160, 96}) {
+  cv::VideoWriter writer(file.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('m', 'p', '4', 'v'),
+                         kRate_hz, size, true);
+  EXPECT_TRUE(writer.isOpened());
+  for (int i = 0; i < frames; ++i) {
+    cv::Mat bgr;
+    cv::cvtColor(picture(i, size), bgr, cv::COLOR_GRAY2BGR);
+    // something that does not compress, so that a cut hits a picture
+    cv::Mat noise(size.height / 2, size.width, CV_8UC3);
+    cv::RNG(static_cast<std::uint64_t>(i)).fill(noise, cv::RNG::UNIFORM, 0, 255);
+    noise.copyTo(bgr.rowRange(0, size.height / 2));
+    writer.write(bgr);
+  }
+  return file;
+}
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<Frame> read_all(FrameSource& source) {
+  std::vector<Frame> frames;
+  while (std::optional<Frame> frame = source.next()) frames.push_back(*frame);
+  return frames;
+}
+
+// Middle of the flat half; video range and compression move it a little.
+double brightness(const Frame& frame) {
+  return frame.grey.at<unsigned char>(frame.grey.rows * 3 / 4, frame.grey.cols / 2);
+}
+
+TEST(FrameSource, AVideoGivesEveryFrameWithItsStamp) {
+  const TemporaryFolder folder;
+  FrameSource source({.path = write_video(folder.path() / "a.mp4")});
+  EXPECT_EQ(source.expected(), kFrames);
+  EXPECT_EQ(source.first().grey.size(), cv::Size(160, 96));
+  const std::vector<Frame> frames = read_all(source);
+  ASSERT_EQ(frames.size(), kFrames);
+  for (int i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(frames[i].index, i);
+    EXPECT_NEAR(to_seconds(frames[i].stamp), i / kRate_hz, 1e-8);
+    // grey 40 + 2 i in video range is 16 + 219/255 of it
+    EXPECT_NEAR(brightness(frames[i]), 16 + (40 + 2 * i) * 219.0 / 255.0, 4.0) << i;
+  }
+  EXPECT_EQ(source.read(), kFrames);
+  EXPECT_GT(source.decoding_s(), 0);
+  EXPECT_EQ(source.rejected(), 0);
+  EXPECT_FALSE(source.complaint().has_value());
+}
+
+TEST(FrameSource, StartAndEndCutTheSame) {
+  const TemporaryFolder folder;
+  const fs::path video = write_video(folder.path() / "a.mp4");
+  FrameSource source({.path = video, .start_s = 0.99, .end_s = 1.51});
+  const std::vector<Frame> frames = read_all(source);
+  ASSERT_EQ(frames.size(), 16u);  // frames 30 to 45
+  EXPECT_NEAR(to_seconds(frames[0].stamp), 1.0, 1e-8);
+  EXPECT_NEAR(brightness(frames[0]), 16 + 100 * 219.0 / 255.0, 4.0);
+  EXPECT_EQ(frames[0].index, 0);
+  EXPECT_FALSE(source.complaint().has_value());
+  EXPECT_THROW(FrameSource({.path = video, .start_s = 100}), InputError);
+  EXPECT_THROW(FrameSource({.path = video, .start_s = 1, .end_s = 0.5}), InputError);
+}
+
+TEST(FrameSource, ARateReplacesTheStamps) {
+  const TemporaryFolder folder;
+  FrameSource source(
+      {.path = write_video(folder.path() / "a.mp4"), .start_s = 1.0, .rate_hz = 10.0});
+  const std::vector<Frame> frames = read_all(source);
+  ASSERT_EQ(frames.size(), 50u);
+  EXPECT_EQ(frames[0].stamp, from_seconds(1.0));
+  EXPECT_EQ(frames[1].stamp, from_seconds(1.1));
+}
+
+TEST(FrameSource, ATruncatedVideoGivesWhatItHasAndSaysSo) {
+  const TemporaryFolder folder;
+  // an AVI keeps its header in front
+  const std::string whole = bytes_of(write_video(folder.path() / "a.avi"));
+  const fs::path cut = folder.file("cut.avi", whole.substr(0, whole.size() * 6 / 10));
+  FrameSource source({.path = cut});
+  const std::size_t n = read_all(source).size();
+  EXPECT_GT(n, 20u);
+  EXPECT_LT(n, 50u);
+  ASSERT_TRUE(source.complaint().has_value());
+  EXPECT_NE(source.complaint()->find("cut.avi: the file is truncated: its pictures end at"),
+            std::string::npos)
+      << *source.complaint();
+}
+
+TEST(FrameSource, DamageInTheMiddleIsNotFatal) {
+  const TemporaryFolder folder;
+  std::string bytes = bytes_of(write_video(folder.path() / "a.avi"));
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000; ++i) bytes[i] = '\x5a';
+  FrameSource source({.path = folder.file("damaged.avi", bytes)});
+  const std::size_t n = read_all(source).size();
+  EXPECT_GT(n, 40u);
+  EXPECT_LT(n, static_cast<std::size_t>(kFrames));
+  EXPECT_EQ(source.read() - source.rejected(), static_cast<std::int64_t>(n));
+  ASSERT_TRUE(source.complaint());
+  EXPECT_NE(source.complaint()->find("those predicted from them are damaged, too"),
+            std::string::npos);
+}
+
+TEST(FrameSource, MessagesNameTheFileAndTheRemedy) {
+  const TemporaryFolder folder;
+  const fs::path video = write_video(folder.path() / "v.mp4", 2);
+  EXPECT_EQ(input_error_of(folder, [&] { FrameSource({.path = video, .bits = 12}); }),
+            "source.bits: a video tells by itself how bright it is");
+  const auto error = [&](const fs::path& path) {
+    return input_error_of(folder, [&] { FrameSource({.path = path}); });
+  };
+  EXPECT_EQ(error(folder.path() / "none.mp4"),
+            "none.mp4: no such file or folder; check source.path");
+  EXPECT_EQ(error(folder.file("empty.mp4", "")), "empty.mp4: the file is empty");
+  EXPECT_EQ(error(folder.file("text.mp4", "this is no video\n")),
+            "text.mp4: is no video file, or its beginning or its index is missing (an interrupted "
+            "recording or download)");
+  const std::string mp4 = bytes_of(write_video(folder.path() / "a.mp4"));
+  EXPECT_NE(error(folder.file("cut.mp4", mp4.substr(0, mp4.size() / 2))).find("its index"),
+            std::string::npos);  // an MP4's index is at its end
+  fs::create_directories(folder.path() / "bare");
+  EXPECT_NE(error(folder.path() / "bare").find("holds no picture"), std::string::npos);
+  EXPECT_NE(error({}).find("source.path is not given"), std::string::npos);
+  ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(error(folder.path() / "pipe"),
+            "pipe: is a pipe or a device, a file or a folder is needed");
+}
+
+TEST(FrameSource, AFolderOfPicturesIsReadInTheOrderOfItsNumbers) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 12; ++i) {
+    cv::imwrite((folder.path() / fmt::format("f{}.png", i)).string(), picture(i));
+  }
+  EXPECT_NE(
+      input_error_of(folder, [&] { FrameSource({.path = folder.path()}); }).find("source.rate_hz"),
+      std::string::npos);
+  FrameSource source({.path = folder.path(), .rate_hz = 4.0});
+  const std::vector<Frame> frames = read_all(source);
+  ASSERT_EQ(frames.size(), 12u);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(frames[i].stamp, from_seconds(0.25 * i));
+    EXPECT_EQ(brightness(frames[i]), 40 + 2 * i);
+  }
+}
+
+TEST(FrameSource, ANumberThatIsLeftOutIsAPictureThatIsMissing) {
+  const auto stamps_s = [](const std::vector<std::string>& names) {
+    const TemporaryFolder folder;
+    for (const std::string& name : names) cv::imwrite((folder.path() / name).string(), picture(0));
+    FrameSource source({.path = folder.path(), .rate_hz = 1});
+    std::vector<double> stamps;
+    for (const Frame& frame : read_all(source)) stamps.push_back(to_seconds(frame.stamp));
+    return stamps;
+  };
+  EXPECT_EQ(stamps_s({"a_8.png", "a_9.png", "a_11.png"}), (std::vector<double>{0, 1, 3}));
+  EXPECT_EQ(stamps_s({"10.png", "20.png", "40.png"}), (std::vector<double>{0, 1, 3}));
+  EXPECT_EQ(stamps_s({"1000.png", "1033.png", "1067.png"}), (std::vector<double>{0, 1, 2}));
+  EXPECT_EQ(stamps_s({"a1.png", "a3.png", "b4.png"}), (std::vector<double>{0, 1, 2}));
+  EXPECT_EQ(stamps_s({"a.png", "b.png"}), (std::vector<double>{0, 1}));
+  EXPECT_EQ(stamps_s({"1.png", "2.png", "999999999999999999.png"}), (std::vector<double>{0, 1, 2}));
+}
+
+// Most cameras of more than 8 bits fill but the lowest 10, 12 or 14 of 16.
+TEST(FrameSource, PicturesOf16BitsAreReadByTheBitsThatTheyUse) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 3; ++i) {
+    cv::Mat deep(96, 160, CV_16UC1, cv::Scalar(16 * (100 + i)));
+    deep.at<unsigned short>(0, 0) = 4095;
+    cv::imwrite((folder.path() / fmt::format("{}.png", i)).string(), deep);
+  }
+  FrameSource source({.path = folder.path(), .rate_hz = 20, .bits = 12});
+  const std::vector<Frame> frames = read_all(source);
+  ASSERT_EQ(frames.size(), 3);
+  for (int i = 0; i < 3; ++i) {
+    const Frame& frame = frames[static_cast<std::size_t>(i)];
+    EXPECT_EQ(frame.grey.type(), CV_8UC1);
+    EXPECT_EQ(frame.grey.at<unsigned char>(50, 50), 100 + i);
+    EXPECT_EQ(frame.grey.at<unsigned char>(0, 0), 255);
+  }
+  EXPECT_EQ(
+      input_error_of(folder, [&] { FrameSource({.path = folder.path(), .rate_hz = 20}); }),
+      "0.png: of 16 bits a pixel, but none is brighter than 4095; give the bits that the camera "
+      "uses as source.bits (12, or 16 if the scene is as dark as that)");
+  cv::imwrite((folder.path() / "8.bmp").string(), picture(0));
+  const SourceConfig late{.path = folder.path(), .start_s = 0.14, .rate_hz = 20, .bits = 12};
+  EXPECT_EQ(input_error_of(folder, [&] { FrameSource{late}; }),
+            "8.bmp: of 8 bits a pixel; source.bits is for pictures of 16");
+  FrameSource all({.path = folder.path(), .rate_hz = 20, .bits = 16});
+  EXPECT_EQ(read_all(all).front().grey.at<unsigned char>(50, 50), 6);
+}
+
+class EurocSource : public testing::Test {
+ protected:
+  void write(const std::string& csv) { folder_.write("mav0/cam0/data.csv", csv); }
+  void write_picture(const std::string& name, const cv::Mat& image) {
+    fs::create_directories(folder_.path() / "mav0/cam0/data");
+    cv::imwrite((folder_.path() / "mav0/cam0/data" / name).string(), image);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(EurocSource, GivesItsOwnStampsFromAnyOfItsFolders) {
+  write("#timestamp [ns],filename\n1403715273262142976,a.png\n1403715273312143104,b.png\n");
+  write_picture("a.png", picture(1));
+  cv::Mat colour;
+  cv::cvtColor(picture(2), colour, cv::COLOR_GRAY2BGR);
+  write_picture("b.png", colour);
+  for (const char* at : {"", "mav0", "mav0/cam0"}) {
+    FrameSource source({.path = folder_.path() / at});
+    const std::vector<Frame> frames = read_all(source);
+    ASSERT_EQ(frames.size(), 2u) << at;
+    EXPECT_EQ(frames[0].stamp.ns, 1403715273262142976) << at;
+    EXPECT_EQ(frames[1].grey.type(), CV_8UC1);
+    EXPECT_EQ(brightness(frames[1]), 44);
+  }
+}
+
+TEST_F(EurocSource, MessagesNameFileAndLine) {
+  const auto error = [&](const std::string& csv) {
+    write(csv);
+    return input_error_of(folder_, [&] {
+      FrameSource source({.path = folder_.path()});
+      (void)read_all(source);
+    });
+  };
+  write_picture("a.png", picture(1));
+  write_picture("b.png", picture(2));
+  write_picture("small.png", picture(3, {80, 48}));
+  EXPECT_EQ(error("1,a.png\n2,c.png\n"),
+            "mav0/cam0/data.csv:2: the picture mav0/cam0/data/c.png is not there");
+  EXPECT_EQ(
+      error("2,a.png\n1,b.png\n"),
+      "mav0/cam0/data.csv:2: stamp 1 is before that of line 1; sort the file and drop repeats");
+  EXPECT_EQ(error("2,a.png\n2,b.png\n"),
+            "mav0/cam0/data.csv:2: stamp 2 repeats that of line 1; sort the file and drop repeats");
+  EXPECT_EQ(error("#t,name\n"), "mav0/cam0/data.csv: lists no picture");
+  EXPECT_EQ(error("1000000,a.png\n1033333,b.png\n"),
+            "mav0/cam0/data.csv: the pictures are 0.0333 ms apart; its stamps are to be "
+            "nanoseconds, are they microseconds?");
+  EXPECT_EQ(error("1000000000,a.png\n2000000000,small.png\n"),
+            "mav0/cam0/data/small.png: is 80x48, the pictures before are 160x96; one calibration "
+            "cannot serve both");
+}
+
+TEST_F(EurocSource, APictureThatCannotBeDecodedIsCounted) {
+  write("1000000000,a.png\n2000000000,bad.png\n3000000000,b.png\n");
+  write_picture("a.png", picture(1));
+  write_picture("b.png", picture(2));
+  folder_.write("mav0/cam0/data/bad.png", "no picture");
+  FrameSource source({.path = folder_.path()});
+  const std::vector<Frame> frames = read_all(source);
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[1].index, 2);
+  EXPECT_EQ(source.read(), 3);
+  EXPECT_EQ(source.rejected(), 1);
+  EXPECT_NE(source.complaint().value_or("").find("1 of "), std::string::npos);
+}
+
+TEST(FrameSource, BuffersAreUsedAgainAndNeverWhileHeld) {
+  const TemporaryFolder folder;
+  FrameSource source({.path = write_video(folder.path() / "a.mp4")});
+  std::vector<const unsigned char*> buffers;
+  std::optional<Frame> before;
+  while (std::optional<Frame> frame = source.next()) {
+    if (before) {
+      const int i = static_cast<int>(before->index);
+      EXPECT_NEAR(brightness(*before), 16 + (40 + 2 * i) * 219.0 / 255.0, 4.0) << i;
+    }
+    before = frame;
+    if (std::find(buffers.begin(), buffers.end(), frame->grey.data) == buffers.end()) {
+      buffers.push_back(frame->grey.data);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_LE(buffers.size(), 10u);
+}
+
+TEST(FrameSource, CanBeLeftHalfRead) {
+  const TemporaryFolder folder;
+  const fs::path video = write_video(folder.path() / "a.mp4");
+  for (int i = 0; i < 20; ++i) {
+    FrameSource source({.path = video});
+    EXPECT_TRUE(source.next());
+    FrameSource other = std::move(source);
+    EXPECT_TRUE(other.next());
+  }
+}
+
+}  // namespace
+}  // namespace stillkite

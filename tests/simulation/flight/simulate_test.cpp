@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "simulation/flight/simulate.hpp"
+#include "simulation/flight/vehicle_path.hpp"
+
+namespace stillkite {
+namespace {
+
+SimulationConfig small_flight() {
+  SimulationConfig config;
+  config.camera.width_px = 160;
+  config.camera.height_px = 120;
+  config.camera.focal_x_px = config.camera.focal_y_px = 120;
+  config.camera.centre_x_px = 79.5;
+  config.camera.centre_y_px = 59.5;
+  config.flight.duration_s = 0.4;
+  config.flight.height_m = 50;
+  config.flight.forward_m = 4;
+  config.flight.left_m = config.flight.climb_m = 0;
+  config.ground.side_texels = 512;
+  return config;
+}
+
+std::vector<cv::Mat> film(const SimulationConfig& config) {
+  std::vector<cv::Mat> frames;
+  film_flight(config, {}, [&](const Frame& frame) {
+    EXPECT_EQ(frame.index, static_cast<std::int64_t>(frames.size()));
+    frames.push_back(frame.grey);
+  });
+  return frames;
+}
+
+TEST(Film, IsTheSameBitForBitFromTheSameSeed) {
+  const SimulationConfig config = small_flight();
+  const std::vector<cv::Mat> once = film(config);
+  const std::vector<cv::Mat> twice = film(config);
+  ASSERT_EQ(once.size(), 11u);
+  ASSERT_EQ(twice.size(), 11u);
+  for (std::size_t k = 0; k < once.size(); ++k) {
+    EXPECT_EQ(cv::norm(once[k], twice[k], cv::NORM_INF), 0) << k;
+  }
+  SimulationConfig other = config;
+  other.seed = 2;
+  EXPECT_GT(cv::norm(once[0], film(other)[0], cv::NORM_INF), 20);
+}
+
+TEST(Film, HasAFrameForEveryStampOfTheTruth) {
+  SimulationConfig config = small_flight();
+  config.camera.frames_per_s = 30;
+  const FlightRecord record = record_flight(config);
+  ASSERT_EQ(record.truth.size(), 13u);
+  std::vector<Timestamp> stamps;
+  film_flight(config, {}, [&](const Frame& frame) { stamps.push_back(frame.stamp); });
+  ASSERT_EQ(stamps.size(), record.truth.size());
+  for (std::size_t k = 0; k < stamps.size(); ++k) EXPECT_EQ(stamps[k], record.truth[k].stamp);
+  EXPECT_EQ(record.truth[1].stamp.ns, 33333333);
+  EXPECT_EQ(record.imu.size(), 81u);
+}
+
+TEST(Film, RampsTheExposure) {
+  SimulationConfig config = small_flight();
+  config.camera.noise_grey = 0;
+  const std::vector<cv::Mat> even = film(config);
+  config.camera.gain_ramp_ratio = 0.3;
+  const std::vector<cv::Mat> ramp = film(config);
+  for (std::size_t k = 0; k < even.size(); ++k) {
+    const double gain = 1 + 0.03 * static_cast<double>(k);
+    cv::Mat expected;
+    even[k].convertTo(expected, CV_8UC1, gain);
+    // both are rounded
+    EXPECT_LE(cv::norm(expected, ramp[k], cv::NORM_INF), 1) << k;
+  }
+}
+
+TEST(Film, BlursMovingPicturesOnly) {
+  SimulationConfig config = small_flight();
+  config.camera.noise_grey = 0;
+  const auto sharpness = [](const cv::Mat& frame) {
+    cv::Mat laplacian;
+    cv::Laplacian(frame, laplacian, CV_32F);
+    return cv::norm(laplacian, cv::NORM_L1);
+  };
+  const double sharp = sharpness(film(config)[5]);
+  config.camera.shutter_s = 0.3;  // over 7 pixels
+  config.camera.shutter_samples = 16;
+  EXPECT_LT(sharpness(film(config)[5]), 0.7 * sharp);
+  config.flight.forward_m = config.flight.sway_m = 0;
+  config.flight.tilt_sway_deg = config.flight.yaw_sway_deg = 0;
+  const cv::Mat hovering = film(config)[5];
+  config.camera.shutter_s = 0;
+  EXPECT_LE(cv::norm(hovering, film(config)[5], cv::NORM_INF), 1);
+}
+
+TEST(Film, ExposesItsRowsOneAfterTheOther) {
+  SimulationConfig config = small_flight();
+  config.camera.noise_grey = 0;
+  config.flight.forward_m = 20;  // 5 pixels a frame
+  config.camera.frames_per_s = 50;
+  const std::vector<cv::Mat> at_once = film(config);
+  config.camera.frames_per_s = 25;
+  config.camera.readout_s = 0.04;
+  const cv::Mat rolled = film(config)[5];
+  const auto difference = [&](int row, int frame) {
+    return cv::norm(rolled.row(row), at_once[static_cast<std::size_t>(frame)].row(row),
+                    cv::NORM_L1) /
+           rolled.cols;
+  };
+  EXPECT_LT(difference(0, 9), 1);
+  EXPECT_LT(difference(60, 10), 1);
+  EXPECT_LT(difference(119, 11), 1);
+  EXPECT_GT(difference(0, 10), 5);
+  EXPECT_GT(difference(119, 10), 5);
+}
+
+TEST(Vehicle, CoversItsShareOfThePictureAtHalfTime) {
+  SimulationConfig config = small_flight();
+  config.camera.noise_grey = 0;
+  config.flight.tilt_sway_deg = 0;
+  config.camera.frames_per_s = 5;
+  const std::vector<cv::Mat> without = film(config);
+  config.vehicle = VehicleConfig{.image_share = 0.04, .crossing_s = 0.4};
+  const std::vector<cv::Mat> with = film(config);
+  const cv::Mat changed = with[1] != without[1];
+  EXPECT_NEAR(cv::countNonZero(changed) / double(changed.total()), 0.04, 0.003);
+}
+
+TEST(CameraMount, TiltsTowardsTheNose) {
+  SimulationConfig config = small_flight();
+  EXPECT_LT((record_flight(config).body_from_camera.rotation * Eigen::Vector3d::UnitZ() -
+             Eigen::Vector3d(0, 0, -1))
+                .norm(),
+            1e-12);
+  config.camera.forward_tilt_deg = 30;
+  const Eigen::Quaterniond tilted = record_flight(config).body_from_camera.rotation;
+  EXPECT_LT(
+      (tilted * Eigen::Vector3d::UnitZ() - Eigen::Vector3d(0.5, 0, -0.5 * std::sqrt(3.0))).norm(),
+      1e-12);
+  // the picture's right stays the body's right
+  EXPECT_LT((tilted * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace stillkite

@@ -1,0 +1,352 @@
+#include <gtest/gtest.h>
+
+#include <hwy/targets.h>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "geometry/angle.hpp"
+#include "geometry/euler.hpp"
+#include "simulation/camera_mount.hpp"
+#include "simulation/render/patch_renderer.hpp"
+#include "simulation/scene/procedural_ground.hpp"
+#include "simulation/scene/room_scene.hpp"
+#include "tests/simulation/render/ground_truth.hpp"
+
+namespace stillkite {
+namespace {
+
+using test::small_camera;
+
+RigidTransform looking_ahead(double yaw_deg, double raised_deg, const Eigen::Vector3d& position) {
+  return RigidTransform{to_quaternion({.yaw_rad = yaw_deg * kDegree}), position} *
+         camera_raised_forward(raised_deg);
+}
+
+std::shared_ptr<const GroundTexture> plain(double grey) {
+  return std::make_shared<GroundTexture>(cv::Mat(16, 16, CV_8UC1, cv::Scalar(grey)), 0.1);
+}
+
+// Faces -x: what looks along +x sees it unturned.
+Patch upright(const Eigen::Vector3d& middle, double width_m, double height_m,
+              const std::shared_ptr<const GroundTexture>& texture) {
+  return {.corner_in_world_m = middle + Eigen::Vector3d(0, width_m / 2, height_m / 2),
+          .right_in_world_m = {0, -width_m, 0},
+          .down_in_world_m = {0, 0, -height_m},
+          .texture = texture};
+}
+
+constexpr DistortionModel kLenses[] = {DistortionModel::none, DistortionModel::radial_tangential,
+                                       DistortionModel::equidistant};
+
+double value_at(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
+  cv::Mat value;
+  cv::getRectSubPix(picture, {1, 1}, {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())},
+                    value);
+  return value.at<float>(0, 0);
+}
+
+// How far the line of that grey passes by a pixel, along the gradient.
+double distance_to_level_px(const cv::Mat& picture, double grey, const Eigen::Vector2d& pixel) {
+  const auto slope = [&](const Eigen::Vector2d& half_step) {
+    return value_at(picture, pixel + half_step) - value_at(picture, pixel - half_step);
+  };
+  const double gradient = std::hypot(slope({0.5, 0}), slope({0, 0.5}));
+  return std::abs(value_at(picture, pixel) - grey) / gradient;
+}
+
+// Four squares, seen aslant: points on the edges between them appear where `project` puts them.
+// The edges are soft, so that they can be located; their middle grey lies on the sharp edge.
+TEST(PatchRenderer, ShowsEdgesWhereTheyProject) {
+  constexpr int kSquare = 200;
+  cv::Mat squares(2 * kSquare, 2 * kSquare, CV_8UC1, cv::Scalar(30));
+  squares(cv::Rect(0, 0, kSquare, kSquare)).setTo(220);
+  squares(cv::Rect(kSquare, kSquare, kSquare, kSquare)).setTo(220);
+  cv::GaussianBlur(squares, squares, {}, 6);
+  const Patch patch =
+      upright({6, 0.3, 1.2}, 3.9, 3.9, std::make_shared<GroundTexture>(squares, 0.01));
+  int points = 0;
+  for (const DistortionModel lens : kLenses) {
+    const Camera camera = small_camera(lens);
+    const PatchRenderer renderer(camera, 4);
+    for (const double yaw_deg : {-20.0, -9.0, 0.0, 13.0, 20.0}) {
+      const RigidTransform pose = looking_ahead(yaw_deg, 80, {0.4, 1.1, 1.5});
+      const cv::Mat picture = renderer.render({.patches = {patch}, .background_grey = 120}, pose);
+      for (const double along_texels : {60.0, 100.0, 150.0, 250.0, 300.0, 340.0}) {
+        for (const Eigen::Vector2d& texel : {Eigen::Vector2d(along_texels, kSquare - 0.5),
+                                             Eigen::Vector2d(kSquare - 0.5, along_texels)}) {
+          const Eigen::Vector3d point =
+              patch.corner_in_world_m + 0.01 * Eigen::Vector3d(0, -texel.x(), -texel.y());
+          const Eigen::Vector2d pixel = *project(camera, pose.inverse() * point);
+          if (pixel.x() < 2 || pixel.x() > camera.width_px - 3) continue;
+          EXPECT_LT(distance_to_level_px(picture, 125, pixel), 0.05) << name_of(lens);
+          ++points;
+        }
+      }
+    }
+  }
+  EXPECT_GT(points, 150);
+}
+
+// In a room whose patches have each a grey of its own, every pixel has that of the patch that an
+// analytic ray meets first: nothing hides what it should not, and no tile forgets a patch.
+TEST(PatchRenderer, ShowsTheNearestPatchInEveryPixel) {
+  PatchScene scene = make_room(3);
+  for (std::size_t k = 0; k < scene.patches.size(); ++k) {
+    scene.patches[k].texture = plain(static_cast<double>(k + 1));
+  }
+  for (const DistortionModel lens : kLenses) {
+    const Camera camera = small_camera(lens);
+    const PatchRenderer renderer(camera, 1);
+    for (const RigidTransform& pose :
+         {looking_ahead(0, 75, {0, 0, 3}), looking_ahead(140, 60, {2, 1, 2.2}),
+          looking_ahead(-80, 20, {-1, 2, 3.5})}) {
+      const cv::Mat picture = renderer.render(scene, pose);
+      int edges = 0;
+      for (int row = 0; row < camera.height_px; ++row) {
+        for (int column = 0; column < camera.width_px; ++column) {
+          const Ray ray = ray_of(pose, *undistort(camera, {double(column), double(row)}));
+          const std::optional<PatchHit> hit = first_hit(scene, ray);
+          ASSERT_TRUE(hit);
+          const auto number = static_cast<float>(hit->patch - scene.patches.data() + 1);
+          // single precision may decide otherwise on the very edge
+          if (std::abs(picture.at<float>(row, column) - number) > 1e-3) ++edges;
+        }
+      }
+      EXPECT_LE(edges, 3) << name_of(lens);
+    }
+  }
+}
+
+// A wall that covers its tiles is drawn by other code than one that shares them with slats before
+// it: where the wall is seen, it is the same.
+TEST(PatchRenderer, ShowsAPatchTheSameWhereItCoversATileAndWhereItSharesIt) {
+  cv::Mat grey = procedural_ground(600, 400, 5);
+  cv::GaussianBlur(grey, grey, {}, 1.5);
+  PatchScene scene{
+      .patches = {upright({5, 0, 2}, 40, 20, std::make_shared<GroundTexture>(grey, 0.02))}};
+  PatchScene with_slats = scene;
+  for (double z = 0.5; z < 3.5; z += 0.08) {
+    with_slats.patches.push_back(upright({1, 0, z}, 8, 0.003, plain(0)));
+  }
+  for (const DistortionModel lens : kLenses) {
+    const Camera camera = small_camera(lens);
+    const PatchRenderer renderer(camera, 1);
+    const RigidTransform pose = looking_ahead(35, 88, {0, 0, 2});
+    const cv::Mat alone = renderer.render(scene, pose);
+    const cv::Mat shared = renderer.render(with_slats, pose);
+    int compared = 0;
+    int different = 0;
+    for (int row = 0; row < camera.height_px; ++row) {
+      for (int column = 0; column < camera.width_px; ++column) {
+        const auto bearing = undistort(camera, {double(column), double(row)});
+        const std::optional<PatchHit> hit = first_hit(with_slats, ray_of(pose, *bearing));
+        if (!hit || hit->patch != with_slats.patches.data()) continue;
+        ++compared;
+        if (std::abs(alone.at<float>(row, column) - shared.at<float>(row, column)) > 0.05) {
+          ++different;
+        }
+      }
+    }
+    EXPECT_GT(compared, camera.width_px * camera.height_px / 2) << name_of(lens);
+    EXPECT_LE(different, 5) << name_of(lens);
+  }
+}
+
+// Near enough that a sample is smaller than a texel, a pixel has the grey of the point it sees.
+TEST(PatchRenderer, ShowsThePicturesThemselves) {
+  cv::Mat grey = procedural_ground(300, 200, 7);
+  cv::GaussianBlur(grey, grey, {}, 1.5);
+  const auto texture = std::make_shared<GroundTexture>(grey, 0.05);
+  // the second goes on beyond its picture, mirrored
+  const PatchScene scene{
+      .patches = {upright({4, 2, 1}, 5, 4, texture), upright({7, -20, 3}, 60, 25, texture)}};
+  for (const DistortionModel lens : kLenses) {
+    const Camera camera = small_camera(lens);
+    const RigidTransform pose = looking_ahead(-20, 95, {0, 0, 2});
+    const cv::Mat picture = PatchRenderer(camera, 1).render(scene, pose);
+    int seen = 0;
+    for (int row = 0; row < camera.height_px; row += 3) {
+      for (int column = 0; column < camera.width_px; column += 3) {
+        const std::optional<PatchHit> hit =
+            first_hit(scene, ray_of(pose, *undistort(camera, {double(column), double(row)})));
+        if (!hit) {
+          ASSERT_EQ(picture.at<float>(row, column), 200.0F);
+          continue;
+        }
+        if (std::pow(hit->depth, 3) / 4 > std::pow(0.05 * 168, 2)) continue;
+        ++seen;
+        ASSERT_NEAR(picture.at<float>(row, column), grey_at(*hit->patch, hit->point_in_world_m),
+                    0.1);
+      }
+    }
+    EXPECT_GT(seen, 1000);
+  }
+}
+
+// Of squares of a texel a sample sees far away their mean, near by each.
+TEST(PatchRenderer, AveragesWhatIsFar) {
+  cv::Mat squares(1024, 1024, CV_8UC1);
+  for (int v = 0; v < squares.rows; ++v) {
+    for (int u = 0; u < squares.cols; ++u) squares.at<std::uint8_t>(v, u) = (u + v) % 2 ? 210 : 30;
+  }
+  const auto texture = std::make_shared<GroundTexture>(squares, 0.02);
+  const auto contrast_at = [&](double distance_m) {
+    const cv::Mat picture = PatchRenderer(small_camera(), 2)
+                                .render({.patches = {upright({distance_m, 0, 0}, 20, 20, texture)}},
+                                        looking_ahead(0, 90, {0, 0, 0}));
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(picture(cv::Rect(100, 62, 40, 40)), mean, deviation);
+    EXPECT_NEAR(mean[0], 120, 3);
+    return deviation[0];
+  };
+  EXPECT_NEAR(contrast_at(0.5), 90.0 / 3, 2);  // of bilinear squares of +-90
+  EXPECT_LT(contrast_at(14), 4);
+}
+
+// A ramp of grey stays where it is on every pyramid level.
+TEST(PatchRenderer, KeepsAPictureInItsPlaceOnEveryLevel) {
+  cv::Mat ramp(256, 256, CV_8UC1);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u) ramp.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(u);
+  }
+  const Camera camera = small_camera();
+  for (const double texel_m : {0.05, 0.02, 0.008}) {
+    const PatchScene scene{.patches = {upright({8, 0, 0}, 255 * texel_m, 255 * texel_m,
+                                               std::make_shared<GroundTexture>(ramp, texel_m))}};
+    const RigidTransform pose = looking_ahead(5, 90, {0, 0.2, 0});
+    const cv::Mat picture = PatchRenderer(camera, 1).render(scene, pose);
+    for (const double u : {70.0, 110.5, 180.25}) {
+      const Eigen::Vector3d point =
+          scene.patches[0].corner_in_world_m + texel_m * Eigen::Vector3d(0, -u, -128);
+      const Eigen::Vector2d at = *project(camera, pose.inverse() * point);
+      cv::Mat patch;
+      cv::getRectSubPix(picture, {1, 1}, {static_cast<float>(at.x()), static_cast<float>(at.y())},
+                        patch);
+      EXPECT_NEAR(patch.at<float>(0, 0), u, 0.5) << texel_m;
+    }
+  }
+}
+
+// Of waves along both axes of a patch that is seen from straight ahead at `distance_m`: how far
+// they are drawn beside where they are, in pixels.
+Eigen::Vector2d wave_shift_px(double distance_m) {
+  constexpr double kTexel_m = 0.02;
+  constexpr double kWave_texels = 7;
+  constexpr double kRate = 2 * std::numbers::pi / kWave_texels;
+  cv::Mat waves(700, 700, CV_8UC1);
+  for (int v = 0; v < waves.rows; ++v) {
+    for (int u = 0; u < waves.cols; ++u) {
+      waves.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(
+          128 + 60 * std::sin(kRate * u) + 60 * std::sin(kRate * v));
+    }
+  }
+  const Patch patch =
+      upright({distance_m, 0, 0}, 14, 14, std::make_shared<GroundTexture>(waves, kTexel_m));
+  const Camera camera = small_camera();
+  const RigidTransform pose = looking_ahead(0, 90, {0, 0, 0});
+  const cv::Mat picture = PatchRenderer(camera, 4).render({.patches = {patch}}, pose);
+  using Vector5d = Eigen::Matrix<double, 5, 1>;
+  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
+  Vector5d right = Vector5d::Zero();
+  for (int row = 30; row < 130; ++row) {
+    for (int column = 60; column < 180; ++column) {
+      const Ray ray = ray_of(pose, *undistort(camera, {double(column), double(row)}));
+      const Eigen::Vector3d point =
+          distance_m / ray.direction_in_world.x() * ray.direction_in_world;
+      const Eigen::Vector3d from_corner = (point - patch.corner_in_world_m) / kTexel_m;
+      const double u = -kRate * from_corner.y();
+      const double v = -kRate * from_corner.z();
+      Vector5d waves_there;
+      waves_there << 1, std::sin(u), std::cos(u), std::sin(v), std::cos(v);
+      normal += waves_there * waves_there.transpose();
+      right += waves_there * picture.at<float>(row, column);
+    }
+  }
+  const Vector5d wave = normal.ldlt().solve(right);
+  const double px_a_texel = kTexel_m * camera.focal_x_px / distance_m;
+  return px_a_texel / kRate *
+         Eigen::Vector2d(std::atan2(wave[2], wave[1]), std::atan2(wave[4], wave[3]));
+}
+
+// Between two pyramid levels some of a pixel's samples show the finer one, some the coarser: what
+// only the finer shows must not lie where those samples do.
+TEST(PatchRenderer, ShiftsNothingBetweenTwoLevels) {
+  for (double distance_m = 3.5; distance_m < 7; distance_m *= 1.07) {
+    EXPECT_LT(wave_shift_px(distance_m).cwiseAbs().maxCoeff(), 0.003) << distance_m;
+  }
+}
+
+// An open shutter shows the mean of what the instants show.
+TEST(PatchRenderer, BlursByTheMotionWhileTheShutterIsOpen) {
+  cv::Mat grey = procedural_ground(400, 300, 9);
+  cv::GaussianBlur(grey, grey, {}, 2);
+  const PatchScene scene{
+      .patches = {upright({6, 0, 1}, 12, 9, std::make_shared<GroundTexture>(grey, 0.04))}};
+  const PatchRenderer renderer(small_camera(), 2);
+  const RigidTransform opening = looking_ahead(0, 90, {0, 0, 1});
+  const RigidTransform closing = looking_ahead(1.5, 90, {0, 0, 1});  // 4 pixels
+  cv::Mat mean(160, 237, CV_32FC1, cv::Scalar(0));
+  for (int k = 0; k < 4; ++k) {
+    mean += renderer.render(scene, interpolate(opening, closing, (k + 0.5) / 4)) / 4;
+  }
+  const cv::Mat blurred = renderer.render(scene, Shutter{opening, closing, 4});
+  const double area = static_cast<double>(blurred.total());
+  EXPECT_LT(cv::norm(blurred, mean) / std::sqrt(area), 1);
+  EXPECT_GT(cv::norm(blurred, renderer.render(scene, opening)) / std::sqrt(area), 3);
+  EXPECT_EQ(cv::norm(renderer.render(scene, Shutter{opening, opening, 4}),
+                     renderer.render(scene, opening), cv::NORM_INF),
+            0);
+  EXPECT_THROW((void)renderer.render(scene, Shutter{opening, closing, 3}), InputError);
+}
+
+// No two of a pixel's samples pass an upright or a level edge at once.
+TEST(PatchRenderer, MovesAnEdgeAlongThePixelsInEvenSteps) {
+  const PatchScene scene{.patches = {upright({5, 0, 0}, 4, 4, plain(200))}, .background_grey = 0};
+  const Camera camera = small_camera();
+  const PatchRenderer renderer(camera, 2);
+  // pixels of the patch left of the middle, or above it
+  const auto seen_px = [&](const cv::Mat& line) {
+    return cv::sum(line(cv::Range(0, static_cast<int>(line.total()) / 2), cv::Range::all()))[0] /
+           200;
+  };
+  constexpr int kSteps = 40;
+  for (const bool is_level : {true, false}) {
+    const double pixel_m = 5 / (is_level ? camera.focal_y_px : camera.focal_x_px);
+    const Eigen::Vector3d way(0, is_level ? 0 : -pixel_m, is_level ? pixel_m : 0);
+    std::vector<double> light;
+    for (int step = 0; step <= kSteps; ++step) {
+      const cv::Mat picture = renderer.render(scene, looking_ahead(0, 90, step * way / kSteps));
+      light.push_back(seen_px(is_level ? picture.col(camera.width_px / 2).clone()
+                                       : picture.row(camera.height_px / 2).t()));
+    }
+    double largest = 0;
+    for (int step = 0; step < kSteps; ++step) {
+      largest = std::max(largest, std::abs(light[step + 1] - light[step]));
+    }
+    EXPECT_NEAR(std::abs(light.back() - light.front()), 1, 1e-3);
+    EXPECT_NEAR(largest, 0.25, 1e-3);
+  }
+}
+
+TEST(PatchRenderer, IsTheSameTwiceAndNearlySoWithoutWideVectors) {
+  const PatchScene room = make_room(5);
+  const RigidTransform pose = looking_ahead(10, 75, {0.5, 0, 3});
+  const PatchRenderer renderer(small_camera(DistortionModel::radial_tangential), 2);
+  const cv::Mat once = renderer.render(room, pose);
+  EXPECT_EQ(cv::norm(once, renderer.render(room, pose), cv::NORM_INF), 0);
+
+  hwy::DisableTargets(~std::int64_t{HWY_STATIC_TARGET});
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  const cv::Mat narrow = renderer.render(room, pose);
+  hwy::DisableTargets(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  EXPECT_LT(cv::norm(once, narrow, cv::NORM_L1) / static_cast<double>(once.total()), 0.01);
+}
+
+}  // namespace
+}  // namespace stillkite
