@@ -34,7 +34,7 @@ HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
 using Sentences = std::vector<std::string>;
 
 // One for each sensor's log, and for a truth, that says nothing of much of the flight.
-Sentences what_does_not_cover(const EstimatorRun& run) {
+Sentences uncovered_sensors(const EstimatorRun& run) {
   if (run.estimates().empty()) return {};
   const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
   Sentences found = uncovered_by_sensors(run.inputs().sensors, first, last);
@@ -43,8 +43,8 @@ Sentences what_does_not_cover(const EstimatorRun& run) {
   const std::int64_t judged = frames_with_truth(run.inputs(), run.estimates());
   if (judged >= kFewestToJudge) return found;
   found.push_back(fmt::format(
-      "truth: it has a pose at {} of the pictures, too few to judge by: it is from {:.3f} s to "
-      "{:.3f} s, the pictures are from {:.3f} s to {:.3f} s: are both on one clock?",
+      "truth: it has a pose at {} of the images, too few to judge by: it is from {:.3f} s to "
+      "{:.3f} s, the images are from {:.3f} s to {:.3f} s: are both on one clock?",
       judged, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
       to_seconds(last)));
   return found;
@@ -114,7 +114,7 @@ Sentences what_is_fixed(const EstimatorRun& run) {
   const double found = most - (run.inputs().mask ? run.inputs().mask->hidden_ratio() : 0);
   if (!(found > 0)) return {};
   return {fmt::format(
-      "{:.2g} % of the picture kept its place while the rest moved (the aircraft's legs, text?) "
+      "{:.2g} % of the image kept its place while the rest moved (the aircraft's legs, text?) "
       "and was left out from when that had shown; calibration.mask_path leaves it out from the "
       "start",
       100 * found)};
@@ -139,7 +139,7 @@ std::vector<SeenTurn> seen_turns(const EstimatorRun& run) {
 void tell_of_leaning_start(const EstimatorRun& run) {
   if (!run.upright()) return;
   constexpr double kWorthTelling_rad = 2 * kDegree;
-  const Eigen::Quaterniond& turn = run.upright()->upright_from_world.rotation;
+  const Eigen::Quaterniond& turn = run.upright()->aligned_from_world.rotation;
   const double leans_rad = so3_log(turn).norm();
   if (leans_rad < std::max(kWorthTelling_rad, 3 * run.upright()->sigma_rad)) return;
   const EulerAngles suits = to_euler(turn * run.inputs().initial.world_from_body.rotation);
@@ -189,7 +189,7 @@ void EstimatorRun::step(const Frame& frame) {
   PilotStep step = pilot_.step(masked, readings);
   frame_ms_.push_back(std::chrono::duration<float, std::milli>(RunClock::now() - start).count());
   upright_ = step.estimate.upright;
-  if (!config_.initial.from_truth) step.estimate = told_upright(std::move(step.estimate));
+  if (!config_.initial.from_truth) step.estimate = gravity_aligned(std::move(step.estimate));
   files_->estimates.add(step.estimate);
   if (files_->commands) files_->commands->add(frame.stamp, step.decision);
   if (files_->overlay) files_->overlay->add(frame, step.estimate, pilot_.windows());
@@ -247,7 +247,7 @@ void check_row_times(const FrameSource& source, const RunConfig& config) {
   if (!source.is_turned() || config.navigator.readout_s == 0) return;
   throw InputError(fmt::format(
       "navigator.readout_s: {} is marked to be shown turned, and its rows are not read out from "
-      "the top; take the mark out of the file and give the calibration of its pictures as they "
+      "the top; take the mark out of the file and give the calibration of its images as they "
       "are, or leave the readout out",
       config.source.path.string()));
 }
@@ -272,7 +272,7 @@ void tell_of_ending(const Ending& ending, std::span<const EstimatorRun> runs,
   if (ending.complaint && !ending.failure) {
     fmt::print(stderr, "stillkite: {}\n", *ending.complaint);
   }
-  tell(runs, what_does_not_cover);
+  tell(runs, uncovered_sensors);
   tell(runs, what_is_fixed);
   if (ending.failure || interrupted()) {
     fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",

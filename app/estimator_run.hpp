@@ -41,7 +41,7 @@ class EstimatorRun {
   /// In a world whose z is up, or the truth's where they start from the truth.
   [[nodiscard]] const std::vector<NavigationEstimate>& estimates() const;
   /// What the last one had found to be upright.
-  [[nodiscard]] const std::optional<UprightWorld>& upright() const { return upright_; }
+  [[nodiscard]] const std::optional<GravityAlignment>& upright() const { return upright_; }
   [[nodiscard]] std::span<const float> frame_ms() const { return frame_ms_; }
   [[nodiscard]] std::optional<CommandCounts> commands() const;
 
@@ -57,18 +57,18 @@ class EstimatorRun {
   HoverPilot pilot_;
   std::optional<Files> files_;
   std::optional<Timestamp> before_;
-  std::optional<UprightWorld> upright_;
+  std::optional<GravityAlignment> upright_;
   std::vector<float> frame_ms_;
 };
 
 /// How a recording ended; what was estimated is written before a failure is thrown on.
 struct Ending {
   std::exception_ptr failure;
-  std::optional<std::string> complaint;  ///< what was wrong with it or with the pictures, in words
+  std::optional<std::string> complaint;  ///< what was wrong with it or with the images, in words
 };
 
 /// Steps all of them on each frame until the end, a failure or Ctrl-C. Their order turns with the
-/// frames: who comes later finds the picture in the cache already.
+/// frames: who comes later finds the image in the cache already.
 [[nodiscard]] Ending step_through(FrameSource& source, std::span<EstimatorRun> runs,
                                   const std::string& label);
 
@@ -84,7 +84,7 @@ void check_row_times(const FrameSource& source, const RunConfig& config);
 /// several estimators each line once.
 void tell_of_doubtful_inputs(std::span<const EstimatorRun> runs);
 
-/// One line where the pictures contradict the gyroscope, or else where the flight has shown that
+/// One line where the images contradict the gyroscope, or else where the flight has shown that
 /// the start's attitude was not as it was given.
 void tell_of_contradictions(const EstimatorRun& run);
 

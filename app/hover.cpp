@@ -103,8 +103,7 @@ FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
     fmt::print(stderr, "stillkite: {}: stopped after {} of {} trials; what was flown is in {}\n",
                label, records.size(), trials.size(), out.string());
   }
-  const std::vector<HoverReportTrial> drawn =
-      hover_report_trials(records, fleet.pictures(), policy);
+  const std::vector<HoverReportTrial> drawn = hover_report_trials(records, fleet.images(), policy);
   const HoverReportContent report{
       .title = arguments.config->string(), .trials = drawn, .config_yaml = print_config(config)};
   const FolderLock lock(out);
@@ -208,7 +207,7 @@ void add_hover(CLI::App& app) {
   const auto print = std::make_shared<bool>(false);
   command->add_flag("--print", *print, "Print the configuration, every key explained, and stop");
   command->footer(
-      "Writes trials.csv (a row a trial), samples.csv (a row a picture), "
+      "Writes trials.csv (a row a trial), samples.csv (a row an image), "
       "estimates.csv (what each was off by), summary.json, "
       "report.html\n"
       "and the effective configuration hover.yaml; with --estimators a folder of these for each, "

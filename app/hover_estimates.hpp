@@ -8,12 +8,12 @@
 
 namespace stillkite {
 
-/// By how much the estimates of all these trials' pictures were off: position_rmse_m,
+/// By how much the estimates of all these trials' images were off: position_rmse_m,
 /// velocity_rmse_m_s, velocity_p95_m_s, nees_mean of six degrees of freedom, and the ratio of
-/// pictures that told something. Null what no picture has.
+/// images that told something. Null what no image has.
 [[nodiscard]] nlohmann::json hover_estimate_json(std::span<const TrialRecord> records);
 
-/// One row a picture of every trial: what its estimate was off by and what it said of itself.
+/// One row an image of every trial: what its estimate was off by and what it said of itself.
 [[nodiscard]] std::string hover_estimates_csv(std::span<const TrialRecord> records);
 
 /// One line for a person.

@@ -23,19 +23,19 @@ HoverReportSample report_sample(const TrialSample& sample, bool stabilized) {
 
 }  // namespace
 
-HoverPicture hover_picture(const Frame& frame) {
+HoverImage hover_image(const Frame& frame) {
   constexpr int kWidth_px = 240;
   constexpr int kQuality = 60;
   const cv::Size size(kWidth_px, kWidth_px * frame.grey.rows / frame.grey.cols);
   cv::Mat small;
   cv::resize(frame.grey, small, size, 0, 0, cv::INTER_AREA);
-  HoverPicture picture{.t_s = to_seconds(frame.stamp), .jpeg = {}};
-  cv::imencode(".jpg", small, picture.jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality});
-  return picture;
+  HoverImage image{.t_s = to_seconds(frame.stamp), .jpeg = {}};
+  cv::imencode(".jpg", small, image.jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality});
+  return image;
 }
 
 std::vector<HoverReportTrial> hover_report_trials(const std::vector<TrialRecord>& records,
-                                                  std::vector<std::vector<HoverPicture>> pictures,
+                                                  std::vector<std::vector<HoverImage>> images,
                                                   const std::string& policy) {
   std::vector<HoverReportTrial> trials;
   trials.reserve(records.size());
@@ -46,7 +46,7 @@ std::vector<HoverReportTrial> hover_report_trials(const std::vector<TrialRecord>
                            .policy = flown.stabilized ? policy : "none",
                            .seed = flown.seed,
                            .samples = {},
-                           .pictures = std::move(pictures[i])};
+                           .images = std::move(images[i])};
     for (const TrialSample& sample : records[i].samples) {
       trial.samples.push_back(report_sample(sample, flown.stabilized));
     }

@@ -9,12 +9,12 @@
 
 namespace stillkite {
 
-/// A small picture of what the drone's camera saw.
-[[nodiscard]] HoverPicture hover_picture(const Frame& frame);
+/// A small image of what the drone's camera saw.
+[[nodiscard]] HoverImage hover_image(const Frame& frame);
 
-/// The trials as the report draws them, their pictures moved in.
+/// The trials as the report draws them, their images moved in.
 [[nodiscard]] std::vector<HoverReportTrial> hover_report_trials(
-    const std::vector<TrialRecord>& records, std::vector<std::vector<HoverPicture>> pictures,
+    const std::vector<TrialRecord>& records, std::vector<std::vector<HoverImage>> images,
     const std::string& policy);
 
 }  // namespace stillkite

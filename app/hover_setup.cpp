@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<std::string_view, 6> kSharedHoverSections{"seed", "scene",      "trials",
                                                                "link", "plant_file", "plant"};
 
-/// A picture as the video link's compression leaves it.
+/// An image as the video link's compression leaves it.
 cv::Mat through_jpeg(const cv::Mat& grey, int quality) {
   std::vector<unsigned char> bytes;
   cv::imencode(".jpg", grey, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});

@@ -20,14 +20,14 @@ void OverlayVideo::open(double frames_per_s) {
 
 void OverlayVideo::add(const Frame& frame, const NavigationEstimate& estimate,
                        std::span<const WindowFlow> windows) {
-  const cv::Mat& picture = overlay_.draw(frame.grey, estimate, windows);
+  const cv::Mat& image = overlay_.draw(frame.grey, estimate, windows);
   if (first_.empty()) {
-    first_ = picture.clone();
+    first_ = image.clone();
     first_stamp_ = frame.stamp;
     return;
   }
   if (!writer_) open(1 / seconds_between(first_stamp_, frame.stamp));
-  writer_->write(picture);
+  writer_->write(image);
 }
 
 void OverlayVideo::finish() {

@@ -9,7 +9,7 @@
 
 namespace stillkite {
 
-/// The file overlay.mp4, a drawn picture a frame, at the rate of the first two frames.
+/// The file overlay.mp4, a drawn image a frame, at the rate of the first two frames.
 class OverlayVideo {
  public:
   OverlayVideo(std::filesystem::path file, const Camera& camera,

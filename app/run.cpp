@@ -69,7 +69,7 @@ void run(const RunArguments& arguments) {
 
 void add_run(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("run", "Estimate the motion from a video or a data set of pictures");
+      app.add_subcommand("run", "Estimate the motion from a video or a data set of images");
   const auto arguments = std::make_shared<RunArguments>();
   command->add_option("config", arguments->config, "YAML file; see: stillkite config")->required();
   add_overrides(*command, arguments->overrides);

@@ -22,12 +22,12 @@
 
 namespace stillkite {
 
-/// How the pictures are kept.
-enum class PictureFormat { video, euroc };
+/// How the images are kept.
+enum class ImageFormat { video, euroc };
 template <>
-struct EnumNames<PictureFormat> {
-  static constexpr auto value = std::to_array<std::pair<PictureFormat, std::string_view>>(
-      {{PictureFormat::video, "video"}, {PictureFormat::euroc, "euroc"}});
+struct EnumNames<ImageFormat> {
+  static constexpr auto value = std::to_array<std::pair<ImageFormat, std::string_view>>(
+      {{ImageFormat::video, "video"}, {ImageFormat::euroc, "euroc"}});
 };
 
 namespace {
@@ -35,11 +35,11 @@ namespace {
 namespace fs = std::filesystem;
 
 struct OutputConfig {
-  PictureFormat format = PictureFormat::video;
+  ImageFormat format = ImageFormat::video;
   EncoderConfig encoder{};
 
   static void fields(auto& self, auto&& field) {
-    field("format", self.format, "video: one H.264 file; euroc: PNG pictures in EuRoC's folders");
+    field("format", self.format, "video: one H.264 file; euroc: PNG images in EuRoC's folders");
     field("encoder", self.encoder, "of the video");
   }
 };
@@ -62,18 +62,18 @@ cv::Mat read_photograph(const SimulationConfig& config) {
   cv::Mat grey = cv::imread(name, cv::IMREAD_GRAYSCALE);
   if (grey.empty()) {
     throw InputError("ground.photograph: " + name +
-                     " is missing or no picture; give a PNG or JPEG of a ground seen from above");
+                     " is missing or no image; give a PNG or JPEG of a ground seen from above");
   }
   return grey;
 }
 
-// Where the pictures go: a sink, and what is to be done after the last one.
-struct PictureOutput {
+// Where the images go: a sink, and what is to be done after the last one.
+struct ImageOutput {
   FrameSink sink;
   std::function<void()> finish;
 };
 
-PictureOutput video_output(const SimulateConfig& config, const fs::path& top) {
+ImageOutput video_output(const SimulateConfig& config, const fs::path& top) {
   const Camera camera = config.simulation.camera.lens();
   const auto writer =
       std::make_shared<VideoWriter>(top / kVideoName, cv::Size(camera.width_px, camera.height_px),
@@ -82,7 +82,7 @@ PictureOutput video_output(const SimulateConfig& config, const fs::path& top) {
           [writer] { writer->commit(); }};
 }
 
-PictureOutput euroc_output(const fs::path& camera_folder) {
+ImageOutput euroc_output(const fs::path& camera_folder) {
   fs::create_directories(camera_folder / "data");
   const auto list = std::make_shared<OutputFile>(camera_folder / "data.csv");
   list->write("#timestamp [ns],filename\n");
@@ -98,8 +98,8 @@ PictureOutput euroc_output(const fs::path& camera_folder) {
   return {write, [list] { list->commit(); }};
 }
 
-std::string run_yaml(PictureFormat format, double readout_s) {
-  const bool video = format == PictureFormat::video;
+std::string run_yaml(ImageFormat format, double readout_s) {
+  const bool video = format == ImageFormat::video;
   return fmt::format(
       "# The simulated flight beside this file: stillkite run run.yaml\n"
       "source:\n  path: {}\n{}"
@@ -113,16 +113,16 @@ std::string run_yaml(PictureFormat format, double readout_s) {
       video ? "" : "mav0/");
 }
 
-// An upper bound; noisy pictures compress to between a tenth (video) and two thirds (PNG).
+// An upper bound; noisy images compress to between a tenth (video) and two thirds (PNG).
 std::uintmax_t bytes_needed(const SimulateConfig& config, std::size_t frames) {
   const Camera camera = config.simulation.camera.lens();
   const std::uintmax_t grey = std::uintmax_t{frames} * camera.width_px * camera.height_px;
-  return config.output.format == PictureFormat::video ? grey / 8 : grey;
+  return config.output.format == ImageFormat::video ? grey / 8 : grey;
 }
 
 void simulate_flight(const SimulateConfig& config, const fs::path& out) {
   const SimulationConfig& simulation = config.simulation;
-  const bool video = config.output.format == PictureFormat::video;
+  const bool video = config.output.format == ImageFormat::video;
   const FlightRecord flight = record_flight(simulation);
   const cv::Mat photograph = read_photograph(simulation);
   OutputFolder folder(out, bytes_needed(config, flight.truth.size()));
@@ -132,14 +132,14 @@ void simulate_flight(const SimulateConfig& config, const fs::path& out) {
 
   write_flight_files(flight, simulation.camera.frames_per_s, top, dataset, camera_folder);
   {
-    const PictureOutput pictures = video ? video_output(config, top) : euroc_output(camera_folder);
+    const ImageOutput images = video ? video_output(config, top) : euroc_output(camera_folder);
     ProgressBar progress("simulate", static_cast<std::int64_t>(flight.truth.size()));
     film_flight(simulation, photograph, [&](const Frame& frame) {
       if (interrupted()) throw Interrupted{};
-      pictures.sink(frame);
+      images.sink(frame);
       progress.step();
     });
-    pictures.finish();
+    images.finish();
   }
   write_file(top / "simulation.yaml", print_config(config));
   write_file(top / "run.yaml", run_yaml(config.output.format, simulation.camera.readout_s));

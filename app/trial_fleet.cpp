@@ -11,12 +11,12 @@
 namespace stillkite {
 namespace {
 
-void film(const Frame& frame, std::vector<HoverPicture>& pictures) {
+void film(const Frame& frame, std::vector<HoverImage>& images) {
   constexpr double kPeriod_s = 0.2;
   constexpr double kSlack_s = 1e-3;
   const double t_s = to_seconds(frame.stamp);
-  if (!pictures.empty() && t_s < pictures.back().t_s + kPeriod_s - kSlack_s) return;
-  pictures.push_back(hover_picture(frame));
+  if (!images.empty() && t_s < images.back().t_s + kPeriod_s - kSlack_s) return;
+  images.push_back(hover_image(frame));
 }
 
 std::vector<std::size_t> longest_first(const HoverConfig& config,
@@ -38,7 +38,7 @@ TrialFleet::TrialFleet(const HoverConfig& config, const HoverWorld& world,
       trials_(std::move(trials)),
       order_(longest_first(config, trials_)),
       records_(trials_.size()),
-      pictures_(trials_.size()),
+      images_(trials_.size()),
       progress_(label, static_cast<std::int64_t>(trials_.size())) {}
 
 std::exception_ptr TrialFleet::fly(int jobs) {
@@ -57,7 +57,7 @@ void TrialFleet::fly_next_ones() {
       const std::size_t i = order_[n];
       records_[i] = fly_trial(config_, world_, trials_[i], [&](const Frame& frame, auto&&...) {
         if (stopped_ || interrupted()) throw Interrupted{};
-        if (is_filmed(i)) film(frame, pictures_[i]);
+        if (is_filmed(i)) film(frame, images_[i]);
       });
       const std::scoped_lock lock(mutex_);
       progress_.step();
@@ -74,7 +74,7 @@ void TrialFleet::forget_unfinished() {
   for (std::size_t i = records_.size(); i-- > 0;) {
     if (!records_[i].samples.empty()) continue;
     records_.erase(records_.begin() + static_cast<std::ptrdiff_t>(i));
-    pictures_.erase(pictures_.begin() + static_cast<std::ptrdiff_t>(i));
+    images_.erase(images_.begin() + static_cast<std::ptrdiff_t>(i));
   }
 }
 

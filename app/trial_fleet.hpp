@@ -25,7 +25,7 @@ class TrialFleet {
   /// Those that were flown to their end.
   [[nodiscard]] const std::vector<TrialRecord>& records() const { return records_; }
   /// Of what the camera saw, a few a second, of one trial an axis that an estimator looks at.
-  [[nodiscard]] const std::vector<std::vector<HoverPicture>>& pictures() const { return pictures_; }
+  [[nodiscard]] const std::vector<std::vector<HoverImage>>& images() const { return images_; }
 
  private:
   void fly_next_ones();
@@ -37,7 +37,7 @@ class TrialFleet {
   std::vector<Trial> trials_;
   std::vector<std::size_t> order_;  // the longest first: none is left alone at the end
   std::vector<TrialRecord> records_;
-  std::vector<std::vector<HoverPicture>> pictures_;
+  std::vector<std::vector<HoverImage>> images_;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> stopped_ = false;
   std::mutex mutex_;

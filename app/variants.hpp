@@ -67,7 +67,7 @@ template <typename Config, typename Load>
 }
 
 /// The configuration of a file under the command line's key=value's, once for each name, its own
-/// keys last. Pictures, truth and output are the same for all. Throws InputError as
+/// keys last. Images, truth and output are the same for all. Throws InputError as
 /// load_run_config.
 [[nodiscard]] std::vector<Variant> load_variants(const std::filesystem::path& file,
                                                  const std::vector<std::string>& overrides,

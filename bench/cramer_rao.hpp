@@ -5,9 +5,9 @@
 
 namespace stillkite::bench {
 
-/// Cramer-Rao bound of the twist (velocity, angular rate) from one pair of pictures: inverse of
+/// Cramer-Rao bound of the twist (velocity, angular rate) from one pair of images: inverse of
 /// the sum of (J^T grad)(J^T grad)^T / (2 sigma^2) over every pixel, J the motion field times the
-/// interval, grad that of the noise-free previous picture; the noise of both frames counts.
+/// interval, grad that of the noise-free previous image; the noise of both frames counts.
 [[nodiscard]] Matrix6d cramer_rao_bound(const BenchScene& scene, double noise_grey);
 
 }  // namespace stillkite::bench

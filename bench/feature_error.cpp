@@ -1,4 +1,4 @@
-// What the features of a reference picture are off by in the pictures of a hover, beside what the
+// What the features of a reference image are off by in the images of a hover, beside what the
 // tracker says of them: rendered views with true depths, through noise, haze and JPEG.
 
 #include <fmt/core.h>
@@ -65,13 +65,13 @@ class SwayingCamera {
         random_(static_cast<std::uint64_t>(options.seed), 7),
         reference_(RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, 2}} *
                    camera_raised_forward(hover_camera().forward_tilt_deg)) {
-    const cv::Mat grey = picture(reference_);
+    const cv::Mat grey = image(reference_);
     tracker_.set_reference(grey, detect_features(grey, {}));
   }
 
   void collect(int view, SamplesOfFeature& samples) {
     const RigidTransform camera = pose_at(view);
-    const FeatureTracks& tracks = tracker_.track(picture(camera));
+    const FeatureTracks& tracks = tracker_.track(image(camera));
     for (std::size_t i = 0; i < tracks.found.size(); ++i) {
       const Eigen::Vector2d at_px = tracks.reference_px[i].cast<double>();
       const std::optional<double> depth = depth_of_window(at_px);
@@ -98,7 +98,7 @@ class SwayingCamera {
             reference_.translation + options_.way_m * way + ahead_m * Eigen::Vector3d::UnitX()};
   }
 
-  [[nodiscard]] cv::Mat picture(const RigidTransform& world_from_camera) {
+  [[nodiscard]] cv::Mat image(const RigidTransform& world_from_camera) {
     constexpr double kHaze_grey = 128;
     cv::Mat light = renderer_.render(scene_, world_from_camera);
     light.convertTo(light, -1, options_.contrast_ratio, (1 - options_.contrast_ratio) * kHaze_grey);

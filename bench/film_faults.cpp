@@ -1,7 +1,7 @@
-// Recordings whose stamps do not tell what befell them: pictures that were sent again and coded
-// again, a video that stood still, pictures that are missing; and what is fixed to the camera:
+// Recordings whose stamps do not tell what befell them: images that were sent again and coded
+// again, a video that stood still, images that are missing; and what is fixed to the camera:
 // legs, text. A simulated flight is spoiled so, coded, decoded and flown by each policy from its
-// pictures alone.
+// images alone.
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -28,14 +28,14 @@ using namespace stillkite;
 
 struct Flight {
   FlightRecord record;
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> images;
 };
 
-// Which picture each frame of the film shows, and which one it should.
+// Which image each frame of the film shows, and which one it should.
 struct Film {
   std::string name;
   std::vector<std::size_t> shown, meant;
-  std::function<void(cv::Mat&)> paint;  // over each picture, in colour
+  std::function<void(cv::Mat&)> paint;  // over each image, in colour
 };
 
 struct Codec {
@@ -43,29 +43,28 @@ struct Codec {
   const char* ending;
 };
 
-// On a fifth of the picture.
-void paint_legs(cv::Mat& picture) {
-  const cv::Size size(picture.cols / 7, picture.rows * 2 / 3);
-  for (const int left : {0, picture.cols - size.width}) {
-    const cv::Rect leg({left, picture.rows - size.height}, size);
-    cv::rectangle(picture, leg, cv::Scalar::all(45), -1);
-    for (int y = leg.y + 20; y < picture.rows; y += 60) {
+// On a fifth of the image.
+void paint_legs(cv::Mat& image) {
+  const cv::Size size(image.cols / 7, image.rows * 2 / 3);
+  for (const int left : {0, image.cols - size.width}) {
+    const cv::Rect leg({left, image.rows - size.height}, size);
+    cv::rectangle(image, leg, cv::Scalar::all(45), -1);
+    for (int y = leg.y + 20; y < image.rows; y += 60) {
       for (int x = left + 20; x < left + leg.width; x += 30) {
-        cv::circle(picture, {x, y}, 8, cv::Scalar::all(200), -1, cv::LINE_AA);
+        cv::circle(image, {x, y}, 8, cv::Scalar::all(200), -1, cv::LINE_AA);
       }
     }
   }
 }
 
-void paint_text(cv::Mat& picture) {
-  const int right = picture.cols - 170, bottom = picture.rows - 20;
+void paint_text(cv::Mat& image) {
+  const int right = image.cols - 170, bottom = image.rows - 20;
   for (const auto& [text, at] : {std::pair{"REC 00:12", cv::Point(20, 30)},
                                  {"BAT 15.2V 82%", {right, 30}},
                                  {"ISO 100 1/500", {20, bottom}},
                                  {"N 54.12345", {right, bottom}}}) {
-    cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar::all(0), 3,
-                cv::LINE_AA);
-    cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar::all(255), 1,
+    cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar::all(0), 3, cv::LINE_AA);
+    cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar::all(255), 1,
                 cv::LINE_AA);
   }
 }
@@ -91,8 +90,7 @@ SimulationConfig demo_flight(int seed) {
 
 Flight fly(const SimulationConfig& config) {
   Flight flight{record_flight(config), {}};
-  film_flight(config, {},
-              [&](const Frame& frame) { flight.pictures.push_back(frame.grey.clone()); });
+  film_flight(config, {}, [&](const Frame& frame) { flight.images.push_back(frame.grey.clone()); });
   return flight;
 }
 
@@ -146,11 +144,11 @@ std::vector<cv::Mat> coded(const Flight& flight, const Film& film, const Codec& 
   {
     cv::VideoWriter writer(path,
                            cv::VideoWriter::fourcc(fourcc[0], fourcc[1], fourcc[2], fourcc[3]), 25,
-                           flight.pictures.front().size());
+                           flight.images.front().size());
     if (!writer.isOpened()) throw InputError("no encoder for " + fourcc);
     cv::Mat colour;
     for (const std::size_t i : film.shown) {
-      cv::cvtColor(flight.pictures[i], colour, cv::COLOR_GRAY2BGR);
+      cv::cvtColor(flight.images[i], colour, cv::COLOR_GRAY2BGR);
       if (film.paint) film.paint(colour);
       writer.write(colour);
     }
@@ -161,12 +159,12 @@ std::vector<cv::Mat> coded(const Flight& flight, const Film& film, const Codec& 
     cv::cvtColor(colour, grey, cv::COLOR_BGR2GRAY);
   }
   std::filesystem::remove(path);
-  if (out.size() != film.shown.size()) throw InputError(fourcc + " has lost pictures");
+  if (out.size() != film.shown.size()) throw InputError(fourcc + " has lost images");
   return out;
 }
 
 void judge(const Flight& flight, const Film& film, const Codec& codec, Policy policy,
-           const std::vector<cv::Mat>& pictures) {
+           const std::vector<cv::Mat>& images) {
   constexpr double kSure = 5;  // sigma
   Navigator navigator(
       flight.record.camera, flight.record.body_from_camera, {},
@@ -174,9 +172,9 @@ void judge(const Flight& flight, const Film& film, const Codec& codec, Policy po
       {.policy = policy});
   double most_m = 0, end_m = 0;
   int wrong = 0, frozen = 0;
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
+  for (std::size_t i = 0; i < images.size(); ++i) {
     const auto index = static_cast<std::int64_t>(i);
-    const NavigationEstimate e = navigator.step({flight.record.truth[i].stamp, index, pictures[i]});
+    const NavigationEstimate e = navigator.step({flight.record.truth[i].stamp, index, images[i]});
     const RigidTransform& truth = flight.record.truth[film.meant[i]].state.world_from_body;
     const Eigen::Vector3d off = e.world_from_body.translation - truth.translation;
     const Eigen::Vector3d sigma = e.pose_covariance.diagonal().head<3>().cwiseSqrt();
@@ -191,7 +189,7 @@ void judge(const Flight& flight, const Film& film, const Codec& codec, Policy po
 
 int run(int argc, char** argv) {
   CLI::App app(
-      "Recordings that were sent again, stood still, lost pictures or show legs or text, by each "
+      "Recordings that were sent again, stood still, lost images or show legs or text, by each "
       "policy");
   int seed = 1;
   app.add_option("--seed", seed, "of flight, ground and noise")->capture_default_str();
@@ -201,10 +199,10 @@ int run(int argc, char** argv) {
   fmt::print("{:<5} {:<22} {:<10} {:>7} {:>7} {:>6} {:>6}\n", "codec", "film", "policy", "end",
              "most", "frozen", "wrong");
   for (const Codec& codec : {Codec{"avc1", "mp4"}, {"mp4v", "mp4"}, {"MJPG", "avi"}}) {
-    for (const Film& film : films(flight.pictures.size())) {
-      const std::vector<cv::Mat> pictures = coded(flight, film, codec);
+    for (const Film& film : films(flight.images.size())) {
+      const std::vector<cv::Mat> images = coded(flight, film, codec);
       for (const Policy policy : {Policy::flow, Policy::best, Policy::fused}) {
-        judge(flight, film, codec, policy, pictures);
+        judge(flight, film, codec, policy, images);
         std::fflush(stdout);
       }
     }

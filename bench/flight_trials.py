@@ -5,10 +5,10 @@ One row a trial: median over the seeds and grounds, the worst in brackets. What 
 folder of results is not made again, so that an interrupted call goes on where it was.
 
   clean        the flight from its true start state
-  tilt         the same pictures, the start's roll wrong by 1 deg
-  paper        the same pictures, the paper's plain mode (configs/paper.yaml)
+  tilt         the same images, the start's roll wrong by 1 deg
+  paper        the same images, the paper's plain mode (configs/paper.yaml)
   relief       hills of 5 m
-  disturbed    exposure rising by 30 %, flicker, a vehicle on 4 % of the picture
+  disturbed    exposure rising by 30 %, flicker, a vehicle on 4 % of the image
 
 What a mode buys, one switched off at a time:
 
@@ -31,7 +31,7 @@ import threading
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# trial -> (configuration of the simulation, folder of the flight's pictures, keys set for the run)
+# trial -> (configuration of the simulation, folder of the flight's images, keys set for the run)
 TRIALS = {
     "clean": ("simulate_paper", "flat", []),
     "tilt": ("simulate_paper", "flat", []),
@@ -126,11 +126,11 @@ def navigate(options, trial, flight, results):
     return answer
 
 
-def fly(options, pictures, seed, ground):
+def fly(options, images, seed, ground):
     """One film and all trials that use it."""
     name = "own" if ground is None else ground.stem
-    flight = options.out / "flights" / f"{pictures}-{name}-{seed}"
-    trials = [t for t in options.trials if TRIALS[t][1] == pictures]
+    flight = options.out / "flights" / f"{images}-{name}-{seed}"
+    trials = [t for t in options.trials if TRIALS[t][1] == images]
     film(options, TRIALS[trials[0]][0], flight, seed, ground)
     answers = []
     for trial in trials:
@@ -167,7 +167,7 @@ def parse(arguments):
     parser.add_argument("--seeds", type=int, nargs="+", default=[11, 12, 13, 14, 15],
                         help="1 to 10 were looked at while the navigator was tuned (default: 11 to 15)")
     parser.add_argument("--photographs", type=pathlib.Path, nargs="*", default=[],
-                        help="grounds beside our own: pictures seen from above")
+                        help="grounds beside our own: images seen from above")
     parser.add_argument("--trials", nargs="+", choices=TRIALS, default=list(TRIALS), metavar="TRIAL",
                         help=f"of {', '.join(TRIALS)} (default: all)")
     parser.add_argument("--duration", type=float, default=150, help="of a flight, s (default: 150)")
@@ -178,7 +178,7 @@ def parse(arguments):
 def main():
     options = parse(sys.argv[1:])
     films = list(dict.fromkeys(TRIALS[trial][1] for trial in options.trials))
-    tasks = [(pictures, seed, ground) for pictures in films for seed in options.seeds
+    tasks = [(images, seed, ground) for images in films for seed in options.seeds
              for ground in [None, *options.photographs]]
     answers = []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:

@@ -31,16 +31,16 @@ cv::Mat plane_flow(const BenchScene& scene) {
            scene.ground.height_m) *
       K.inverse();
   cv::Mat flow(camera.height_px, camera.width_px, CV_32FC2);
-  const Eigen::AlignedBox2d picture(Eigen::Vector2d::Zero(),
-                                    Eigen::Vector2d(camera.width_px - 1, camera.height_px - 1));
+  const Eigen::AlignedBox2d image(Eigen::Vector2d::Zero(),
+                                  Eigen::Vector2d(camera.width_px - 1, camera.height_px - 1));
   for (int y = 0; y < flow.rows; ++y) {
     for (int x = 0; x < flow.cols; ++x) {
       const Eigen::Vector2d from(x, y);
       const Eigen::Vector3d to = H * from.homogeneous();
       const Eigen::Vector2d moved = to.hnormalized();
       const Eigen::Vector2f vector = (moved - from).cast<float>();
-      flow.at<cv::Vec2f>(y, x) = picture.contains(moved) ? cv::Vec2f(vector.x(), vector.y())
-                                                         : cv::Vec2f(kUnknown, kUnknown);
+      flow.at<cv::Vec2f>(y, x) =
+          image.contains(moved) ? cv::Vec2f(vector.x(), vector.y()) : cv::Vec2f(kUnknown, kUnknown);
     }
   }
   return flow;

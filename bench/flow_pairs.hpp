@@ -13,7 +13,7 @@ struct FlowPair {
   std::string name;
   cv::Mat previous;  ///< CV_8UC1
   cv::Mat current;
-  cv::Mat truth_px;  ///< CV_32FC2; NaN where it is not known or leads out of the picture
+  cv::Mat truth_px;  ///< CV_32FC2; NaN where it is not known or leads out of the image
 };
 
 /// Scenes A and B over a procedural ground, and over each photograph (see simulation/bench_scene).

@@ -1,4 +1,4 @@
-// What one frame of a hover costs, from grey picture to command, and how well its pose is known:
+// What one frame of a hover costs, from grey image to command, and how well its pose is known:
 // the hold paper's steps in OpenCV calls and ours, from the reference estimator alone to both
 // estimators and the IMU fused, take turns on the same rendered frames of a room. Prints a row of
 // medians for each, "times" how many of its cycles go into one of OpenCV's; below, what starting

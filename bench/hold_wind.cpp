@@ -1,5 +1,5 @@
 // How the hold answers wind: the hold paper's ways on the hovers' plant, its tether read at once,
-// but the pose told as it is, with noise, instead of by pictures. Minutes of video become
+// but the pose told as it is, with noise, instead of by images. Minutes of video become
 // milliseconds.
 
 #include <fmt/core.h>
@@ -123,7 +123,7 @@ void print_row(const Options& options, double wind_m_s, double towards_deg) {
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("How far wind moves a held drone, by a pose that is told without pictures");
+  CLI::App app("How far wind moves a held drone, by a pose that is told without images");
   app.option_defaults()->always_capture_default();
   app.add_option("--winds-m-s", options.winds_m_s, "mean winds");
   app.add_option("--towards-deg", options.towards_deg, "directions, from the world's x");

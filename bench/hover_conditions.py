@@ -3,7 +3,7 @@
 
 One row a condition and policy, over the seeds (a seed: one flight along each of the paper's axes):
 mean |d| pooled over all flights and along the worst axis, cm; velocity RMSE, cm/s; NEES of the
-pose's six degrees of freedom (6 is honest); share of the pictures that told something, %; in
+pose's six degrees of freedom (6 is honest); share of the images that told something, %; in
 brackets the worst seed's. What is already in the folder of results is not flown again, so that an
 interrupted call goes on where it was.
 
@@ -14,7 +14,7 @@ interrupted call goes on where it was.
   yaw_kicks     turned by 10 to 20 deg every 8 s
   weak_texture  a tenth of the scene's contrast, the noise as ever
   sun           exposure rising by 30 % over a flight, flickering by 5 %
-  passers       two people walk to and fro 2.7 m ahead, in the room
+  moving_objects       two people walk to and fro 2.7 m ahead, in the room
   excursion     not held: the drone follows its station 20 m out along x and z, at 1 m/s
 """
 
@@ -46,7 +46,7 @@ CONDITIONS = {
     "yaw_kicks": ("trials_fused", [*COAST, "plant.yaw_kicks.every_s=8", "plant.yaw_kicks.smallest_deg=10"]),
     "weak_texture": ("trials_fused", [*COAST, "plant.contrast_ratio=0.1"]),
     "sun": ("trials_fused", [*COAST, "plant.camera.gain_ramp_ratio=0.3", "plant.camera.flicker_ratio=0.05"]),
-    "passers": ("trials_fused", [*HELD, "plant.passers.count=2"]),
+    "moving_objects": ("trials_fused", [*HELD, "plant.moving_objects.count=2"]),
     "excursion": ("trials_fused", ["trials.on=0", "trials.off=1", "trials.estimate_off=true",
                                    "scene=coast", "plant.station.level_reach_m=20",
                                    "plant.station.speed_m_s=1"]),

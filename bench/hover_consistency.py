@@ -31,7 +31,7 @@ def band(count):
 
 
 def nees_at_stamps(file):
-    """(trial, stamp) -> NEES of the first picture from that stamp on that has one."""
+    """(trial, stamp) -> NEES of the first image from that stamp on that has one."""
     found = {}
     with file.open() as rows:
         for row in csv.DictReader(line.lstrip("#") for line in rows):

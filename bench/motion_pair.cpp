@@ -1,4 +1,4 @@
-// Velocity of a camera from one pair of pictures: error against the Cramer-Rao bound, and time,
+// Velocity of a camera from one pair of images: error against the Cramer-Rao bound, and time,
 // beside OpenCV's flows. Methods take turns, so that a busy machine is busy for all of them.
 
 #include <fmt/format.h>
@@ -225,7 +225,7 @@ bool run_scene(const std::string& name, const BenchMotion& motion, const std::st
   cv::Mat texture;
   if (!photograph.empty()) {
     texture = cv::imread(photograph, cv::IMREAD_GRAYSCALE);
-    if (texture.empty()) throw InputError(photograph + ": not a picture");
+    if (texture.empty()) throw InputError(photograph + ": not an image");
     grounds = 1;
   }
   std::vector<Method> methods;
@@ -251,7 +251,7 @@ bool run_scene(const std::string& name, const BenchMotion& motion, const std::st
 
 int compare(int argc, char** argv) {
   CLI::App app{
-      "Velocity from one pair of 1920x1080 pictures, scenes A and B: error and time in one row.\n"
+      "Velocity from one pair of 1920x1080 images, scenes A and B: error and time in one row.\n"
       "Fails where a tile method misses its ratio and, from 50 pairs on, where a method beats the "
       "Cramer-Rao bound."};
   int grounds = 5;
@@ -263,7 +263,7 @@ int compare(int argc, char** argv) {
   app.add_option("--seeds", seeds, "noise seeds, for each ground")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  app.add_option("--photograph", photograph, "ground from a picture instead of the procedural one");
+  app.add_option("--photograph", photograph, "ground from an image instead of the procedural one");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   const bool a = run_scene("A", kBenchSceneA, photograph, grounds, seeds);

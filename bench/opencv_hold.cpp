@@ -57,13 +57,13 @@ OpenCvHoldEstimate OpenCvHold::step(const cv::Mat& grey) const {
   std::vector<float> errors;
   cv::calcOpticalFlowPyrLK(reference_pyramid_, pyramid, reference_px_, current_px, status, errors,
                            kWindow_px, kMaxLevel);
-  const cv::Rect2f picture(0, 0, static_cast<float>(grey.cols - 1),
-                           static_cast<float>(grey.rows - 1));
+  const cv::Rect2f image(0, 0, static_cast<float>(grey.cols - 1),
+                         static_cast<float>(grey.rows - 1));
   std::vector<cv::Point2f> from_px;
   std::vector<cv::Point2f> to_px;
   double shift_px = 0;
   for (std::size_t i = 0; i < reference_px_.size(); ++i) {
-    if (status[i] == 0 || !picture.contains(current_px[i])) continue;
+    if (status[i] == 0 || !image.contains(current_px[i])) continue;
     from_px.push_back(reference_px_[i]);
     to_px.push_back(current_px[i]);
     shift_px += cv::norm(current_px[i] - reference_px_[i]);

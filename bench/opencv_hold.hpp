@@ -20,7 +20,7 @@ struct OpenCvHoldEstimate {
 };
 
 /// The hold paper's estimator in plain OpenCV calls: up to 3000 corners of the reference, pyramidal
-/// Lucas-Kanade from there (35 px, 3 levels above the picture), undistortPoints, findEssentialMat,
+/// Lucas-Kanade from there (35 px, 3 levels above the image), undistortPoints, findEssentialMat,
 /// correctMatches, recoverPose.
 class OpenCvHold {
  public:

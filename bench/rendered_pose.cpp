@@ -1,6 +1,6 @@
-// Rotation and direction from two rendered pictures of a room: the hold paper's comparison of
+// Rotation and direction from two rendered images of a room: the hold paper's comparison of
 // detectors and associations repeated, and ours beside them. Every pair is cold: nothing is known
-// of the second picture.
+// of the second image.
 
 #include <fmt/core.h>
 
@@ -86,10 +86,10 @@ Pair make_pair_of_views(const PatchScene& scene, const PatchRenderer& renderer, 
   way *= way_m / way.norm();
   const RigidTransform before = body(at, yaw_rad) * mount;
   const RigidTransform after = body(at + way, yaw_rad + random.uniform(-4, 4) * kDegree) * mount;
-  const auto picture = [&](const RigidTransform& pose) {
+  const auto image = [&](const RigidTransform& pose) {
     return develop(renderer.render(scene, pose), {.noise_grey = camera.noise_grey}, random.bits());
   };
-  return {picture(before), picture(after), before.inverse() * after};
+  return {image(before), image(after), before.inverse() * after};
 }
 
 struct Outcome {
@@ -147,9 +147,8 @@ int run(int argc, char** argv) {
   int count = 40;
   int seed = 1;
   double way_m = 0.25;
-  CLI::App app(
-      "Pose between two rendered 800x480 pictures of a room, by the hold paper's variants");
-  app.add_option("--pairs", count, "pictures compared")->check(CLI::Range(1, 100000));
+  CLI::App app("Pose between two rendered 800x480 images of a room, by the hold paper's variants");
+  app.add_option("--pairs", count, "images compared")->check(CLI::Range(1, 100000));
   app.add_option("--seed", seed, "of room, places and noise");
   app.add_option("--way-m", way_m, "between the two cameras; 0.25 is 5 to 8 % of the depth");
   CLI11_PARSE(app, argc, argv);

@@ -17,7 +17,7 @@ enum class Verdict {
   too_few_inliers,     ///< no one motion explains the windows (moving water, traffic)
   ill_conditioned,     ///< some direction of motion is not observable
   horizon,             ///< too little ground below the horizon
-  frozen,              ///< the same picture again
+  frozen,              ///< the same image again
   lost,                ///< the alignment did not converge
   time_gap,            ///< stamps not ascending, or too far apart to predict across
   gated,               ///< the rotation from the reference changed faster than is believed

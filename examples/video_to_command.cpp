@@ -10,7 +10,7 @@ using namespace stillkite;
 
 namespace {
 
-/// Looks straight down, the picture's top towards the nose: the columns are image right, image down
+/// Looks straight down, the image's top towards the nose: the columns are image right, image down
 /// and the optical axis in the body (x forward, y left, z up).
 RigidTransform camera_on_body() {
   Eigen::Matrix3d body_from_camera;

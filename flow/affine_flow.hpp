@@ -5,7 +5,7 @@
 
 namespace stillkite {
 
-/// displacement_px(x) = offset_px + gradient x about the origin `about_px`: how a picture moves as
+/// displacement_px(x) = offset_px + gradient x about the origin `about_px`: how an image moves as
 /// a whole.
 struct AffineFlow {
   Eigen::Vector2f about_px = Eigen::Vector2f::Zero();

@@ -43,19 +43,19 @@ struct DetectorConfig {
   }
 };
 
-/// Features of a grey picture, the strongest first; none within `min_distance_px` of one of
+/// Features of a grey image, the strongest first; none within `min_distance_px` of one of
 /// `followed_px`, none where the mask (CV_8UC1; empty: none) is 0.
 [[nodiscard]] std::vector<cv::Point2f> detect_features(
     const cv::Mat& grey, const DetectorConfig& config,
     const std::vector<cv::Point2f>& followed_px = {}, const cv::Mat& mask = {});
 
-/// Places of the same features in two pictures.
+/// Places of the same features in two images.
 struct FeatureMatches {
   std::vector<cv::Point2f> reference_px;
   std::vector<cv::Point2f> current_px;
 };
 
-/// Features of one picture with what they look like, to be found among those of others: the way
+/// Features of one image with what they look like, to be found among those of others: the way
 /// that the hold paper tried and left (section III), a search without constraint on the distance.
 class FeatureMatcher {
  public:

@@ -20,9 +20,9 @@ constexpr float kLongestStep_px = 3;
 constexpr float kTexture = kFeatureWindowPixels / 2;
 constexpr int kFewestToGuide = 8;
 
-/// One tile a feature, as near to it as whole pixels and the picture's border allow.
+/// One tile a feature, as near to it as whole pixels and the image's border allow.
 TileGrid feature_grid(const std::vector<Eigen::Vector2f>& centres_px, float scale,
-                      const cv::Mat& picture) {
+                      const cv::Mat& image) {
   TileGrid grid;
   grid.columns = grid.rows = kFeatureWindow_px;
   const int count = static_cast<int>(centres_px.size());
@@ -37,8 +37,8 @@ TileGrid feature_grid(const std::vector<Eigen::Vector2f>& centres_px, float scal
     const Eigen::Vector2f at =
         real ? (((centres_px[static_cast<std::size_t>(i)].array() + 0.5F) * scale) - 0.5F).eval()
              : Eigen::Array2f::Constant(kHalf + TileGrid::kBefore_px).eval();
-    grid.left_px.push_back(first(at.x(), picture.cols));
-    grid.top_px.push_back(first(at.y(), picture.rows));
+    grid.left_px.push_back(first(at.x(), image.cols));
+    grid.top_px.push_back(first(at.y(), image.rows));
     const float nowhere = real ? 0 : TilePlacement::kNowhere_px;
     grid.centre_x_px.push_back(nowhere + static_cast<float>(grid.left_px.back()) + kHalf);
     grid.centre_y_px.push_back(nowhere + static_cast<float>(grid.top_px.back()) + kHalf);
@@ -87,7 +87,7 @@ float noise_of(const TileMeasurements& m, std::size_t i) {
                   (m.residual[i] - explained) / (kFeatureWindowPixels - kUnknowns));
 }
 
-/// The noise s^2 is in the gradients as well, which are those of one of two pictures, by central
+/// The noise s^2 is in the gradients as well, which are those of one of two images, by central
 /// differences: of the structure tensor G of n pixels n s^2 / 4 are none of the texture's, T. A
 /// step is off by T^-1 times sums that vary by s^2 G, hence (T G^-1 T / s^2)^-1.
 Eigen::Matrix2f covariance_of(const TileMeasurements& m, std::size_t i, float noise) {
@@ -143,7 +143,7 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
   has_last_ = false;
 }
 
-void FeatureTracker::set_mask(const std::shared_ptr<const PictureMask>& mask) {
+void FeatureTracker::set_mask(const std::shared_ptr<const ImageMask>& mask) {
   if (mask == mask_) return;
   mask_ = mask;
   learn_hidden();
@@ -173,9 +173,9 @@ const FeatureTracks& FeatureTracker::track(const cv::Mat& grey,
     }
   }
   align(warm);
-  // 2. Where next to none is there, the whole picture may have moved far: search it.
+  // 2. Where next to none is there, the whole image may have moved far: search it.
   if (config_.search && is_lost()) search(known_turn_rad);
-  // 3. Still lost, as in a smeared picture: what is found is chance, the next one starts from the
+  // 3. Still lost, as in a smeared image: what is found is chance, the next one starts from the
   // last good one and is searched again.
   if (is_lost()) return tracks_;
   if (tracks_.found_count >= kFewestToGuide) {
@@ -203,7 +203,7 @@ void FeatureTracker::align(bool is_warm) {
     step(0, warp);
     if (i == config_.steps / 2) gradients_ = deformation_.fit(displacements_px_, alive_, motion_);
   }
-  // 2. What has left the picture, looks different or does not lead back is lost.
+  // 2. What has left the image, looks different or does not lead back is lost.
   judge();
   tell_covariances();
   if (config_.forward_backward_px > 0) track_back();
@@ -224,7 +224,7 @@ void FeatureTracker::search(std::optional<double> known_turn_rad) {
   if (known_turn_rad) {
     search(std::array{*known_turn_rad});
   } else if (!search(kNoTurn_rad)) {
-    // most pictures have hardly turned about their middle, and are found in a seventh of the time
+    // most images have hardly turned about their middle, and are found in a seventh of the time
     search(kSlightTurns_rad);
   }
   motion_ = last_motion;
@@ -238,8 +238,8 @@ bool FeatureTracker::search(std::span<const double> turns_rad) {
   };
   FeatureTracks best = tracks_;
   std::vector<Eigen::Vector2f> best_displacements_px = displacements_px_;
-  for (const PictureShift& shift : find_shifts(reference_.level(0), current_.level(0),
-                                               Eigen::Matrix3d::Identity(), turns_rad)) {
+  for (const ImageShift& shift : find_shifts(reference_.level(0), current_.level(0),
+                                             Eigen::Matrix3d::Identity(), turns_rad)) {
     if (is_found(best)) break;
     start_from(shift);
     align(false);
@@ -252,7 +252,7 @@ bool FeatureTracker::search(std::span<const double> turns_rad) {
   return is_found(tracks_);
 }
 
-void FeatureTracker::start_from(const PictureShift& shift) {
+void FeatureTracker::start_from(const ImageShift& shift) {
   motion_ = {.about_px = {0.5F * static_cast<float>(current_.level(0).cols - 1),
                           0.5F * static_cast<float>(current_.level(0).rows - 1)},
              .offset_px = shift.shift_px.cast<float>()};
@@ -370,7 +370,7 @@ void FeatureTracker::track_back() {
     Eigen::Matrix2f back = Eigen::Matrix2f::Identity();
     if (real) {
       back = back_of(i);
-      // from where the picture as a whole would have it, not from the answer that is tested
+      // from where the image as a whole would have it, not from the answer that is tested
       const Eigen::Vector2f whole = motion_.at(tracks_.reference_px[i]) - displacements_px_[i];
       const float length = whole.norm();
       const Eigen::Vector2f off = whole * std::min(1.0F, kStartOff_px / std::max(length, 1e-6F));

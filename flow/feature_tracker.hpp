@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "flow/affine_flow.hpp"
+#include "flow/image_mask.hpp"
+#include "flow/image_search.hpp"
 #include "flow/local_deformation.hpp"
-#include "flow/picture_mask.hpp"
-#include "flow/picture_search.hpp"
 #include "flow/pyramid.hpp"
 #include "flow/tile_flow.hpp"
 #include "geometry/fields.hpp"
@@ -33,7 +33,7 @@ struct FeatureTrackerConfig {
     field("forward_backward_px", self.forward_backward_px, kNotNegative,
           "a feature tracked back must end this near to where it began; 0: not tracked back");
     field("warm_start", self.warm_start, "start where the features were in the last frame");
-    field("search", self.search, "search the whole picture where next to no feature is found");
+    field("search", self.search, "search the whole image where next to no feature is found");
   }
 };
 
@@ -49,7 +49,7 @@ struct FeatureTracks {
   int found_count = 0;
 };
 
-/// Sparse Lucas-Kanade from a fixed reference picture: windows of 16x16 px about its features, in
+/// Sparse Lucas-Kanade from a fixed reference image: windows of 16x16 px about its features, in
 /// every frame compared with the reference itself, so that no drift adds up. The windows are those
 /// of the flow stage (TileFlow): of the reference their structure tensors are kept, not the
 /// gradients, which cost less to form anew than to fetch (docs/adr/0005).
@@ -57,14 +57,14 @@ class FeatureTracker {
  public:
   explicit FeatureTracker(const FeatureTrackerConfig& config) : config_(config) {}
 
-  /// Features whose window leaves the picture are left out. The pixels are shared, not copied.
+  /// Features whose window leaves the image are left out. The pixels are shared, not copied.
   void set_reference(const cv::Mat& grey, const std::vector<cv::Point2f>& features_px);
 
-  /// What no picture shows the world in from now on; features in it are not found.
-  void set_mask(const std::shared_ptr<const PictureMask>& mask);
+  /// What no image shows the world in from now on; features in it are not found.
+  void set_mask(const std::shared_ptr<const ImageMask>& mask);
 
-  /// The current picture has the reference's size. The answer holds until the next call. Where the
-  /// features must be searched for and it is known by how much the picture has turned (from the x
+  /// The current image has the reference's size. The answer holds until the next call. Where the
+  /// features must be searched for and it is known by how much the image has turned (from the x
   /// axis to the y axis), that is the one turn that is tried.
   const FeatureTracks& track(const cv::Mat& grey, std::optional<double> known_turn_rad = {});
 
@@ -75,7 +75,7 @@ class FeatureTracker {
   [[nodiscard]] bool is_lost() const;
   void search(std::optional<double> known_turn_rad);
   bool search(std::span<const double> turns_rad);
-  void start_from(const PictureShift& shift);
+  void start_from(const ImageShift& shift);
   void place(int level);
   void step(int level, TileWarp warp);
   void regularise(int level);
@@ -99,7 +99,7 @@ class FeatureTracker {
   std::vector<float> correlations_;
   std::vector<float> noise_grey2_;    // of the windows found, in no order
   std::vector<unsigned char> alive_;  // in the level at hand
-  std::shared_ptr<const PictureMask> mask_;
+  std::shared_ptr<const ImageMask> mask_;
   std::vector<unsigned char> hidden_;  // in the reference, by the mask
   FeatureTracks tracks_;
   int last_found_count_ = 0;

@@ -4,7 +4,7 @@
 
 namespace stillkite {
 
-/// What one window of the picture tells about its motion from the previous frame to the current
+/// What one window of the image tells about its motion from the previous frame to the current
 /// one. Every flow method ends in these: a dense field sampled on a grid has unit information, a
 /// window without texture has none.
 struct FlowWindow {

@@ -8,14 +8,14 @@
 
 namespace stillkite {
 
-class PictureMask;
+class ImageMask;
 
-/// One grey picture of the camera, CV_8UC1. The pixels are shared, not copied.
+/// One grey image of the camera, CV_8UC1. The pixels are shared, not copied.
 struct Frame {
   Timestamp stamp;
   std::int64_t index = 0;  ///< of the frame in its source, rejected ones counted too
   cv::Mat grey;
-  std::shared_ptr<const PictureMask> mask;  ///< none: all of it shows the world
+  std::shared_ptr<const ImageMask> mask;  ///< none: all of it shows the world
 };
 
 }  // namespace stillkite

@@ -7,7 +7,7 @@
 
 namespace stillkite {
 
-/// How a picture is deformed about each of some points, from what their neighbours move by: things
+/// How an image is deformed about each of some points, from what their neighbours move by: things
 /// nearer to a camera that goes ahead grow faster.
 class LocalDeformation {
  public:

@@ -21,11 +21,11 @@ const FeatureTracks& OpenCvFeatureTracker::track(const cv::Mat& grey) {
   if (reference_px_.empty()) return tracks_;
   cv::calcOpticalFlowPyrLK(reference_pyramid_, grey, reference_px_, current_px_, status_, errors_,
                            {config_.window_px, config_.window_px}, config_.max_level);
-  const cv::Rect2f picture(0, 0, static_cast<float>(grey.cols - 1),
-                           static_cast<float>(grey.rows - 1));
+  const cv::Rect2f image(0, 0, static_cast<float>(grey.cols - 1),
+                         static_cast<float>(grey.rows - 1));
   for (std::size_t i = 0; i < reference_px_.size(); ++i) {
     tracks_.current_px[i] = {current_px_[i].x, current_px_[i].y};
-    tracks_.found[i] = status_[i] != 0 && picture.contains(current_px_[i]) ? 1 : 0;
+    tracks_.found[i] = status_[i] != 0 && image.contains(current_px_[i]) ? 1 : 0;
     tracks_.found_count += tracks_.found[i];
   }
   return tracks_;

@@ -16,7 +16,7 @@ struct OpenCvFeatureTrackerConfig {
 
   static void fields(auto& self, auto&& field) {
     field("window_px", self.window_px, Range{3, 99}, "side of the Lucas-Kanade window");
-    field("max_level", self.max_level, Range{0, 8}, "coarsest level, the full picture being 0");
+    field("max_level", self.max_level, Range{0, 8}, "coarsest level, the full image being 0");
   }
 };
 
@@ -28,7 +28,7 @@ class OpenCvFeatureTracker {
 
   void set_reference(const cv::Mat& grey, const std::vector<cv::Point2f>& features_px);
 
-  /// Features that LK lost, or that left the picture, are not `found`.
+  /// Features that LK lost, or that left the image, are not `found`.
   const FeatureTracks& track(const cv::Mat& grey);
 
  private:

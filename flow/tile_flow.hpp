@@ -60,12 +60,12 @@ struct TileTexture {
 };
 
 /// The tiles' textures, each learnt when it is first measured, and good for as long as the grid
-/// lies on the same picture.
+/// lies on the same image.
 struct TileTextures {
   std::vector<TileTexture> tiles;
   std::vector<unsigned char> known;
 
-  /// For another picture or another grid.
+  /// For another image or another grid.
   void forget(const TileGrid& grid);
 };
 

@@ -55,7 +55,7 @@ inline void store(const TileTexture& t, const TileSums& s, float pixels, const D
 
 /// Lagrange's weights of the six pixels about a position between the third and the fourth, in
 /// 1/32768. Of a wave of five pixels, moved by a quarter of one, they miss 1/600 px; Keys' cubic
-/// over four pixels misses 1/40 and bilinear weights 1/20, all windows of a picture alike.
+/// over four pixels misses 1/40 and bilinear weights 1/20, all windows of an image alike.
 using QuinticWeights = std::array<std::int16_t, 6>;
 /// `fraction_128`: 0 to 127.
 [[nodiscard]] const QuinticWeights& quintic_weights(int fraction_128);

@@ -48,13 +48,13 @@ NavigationEstimate BestNavigator::step(const Frame& frame, const FrameInterval& 
   const NavigationEstimate flow =
       std::visit([&](auto& method) { return method.step(frame, interval, readings); }, flow_);
   const NavigationEstimate reference = reference_.step(frame, interval, readings);
-  if (reference.reference->is_back) start_from_reference_ = start_from_home_;
+  if (reference.reference->relocalized) start_from_reference_ = start_from_home_;
   // 2. Which of them is to be believed, and where the camera is by it.
   take_unit(flow);
   decision_ = choice_.step(pair_of(flow, reference));
   // 3. A new reference is where the answer has the camera.
   if (reference.reference->new_reference) {
-    if (reference.reference->is_home) start_from_home_ = start_from_reference_;
+    if (reference.reference->on_first_reference) start_from_home_ = start_from_reference_;
     start_from_reference_ = decision_.start_from_camera;
   }
   NavigationEstimate out = answer(flow, reference);
@@ -89,11 +89,11 @@ void BestNavigator::take_up(const NavigationEstimate& flow,
   up_variance_ = variance;
 }
 
-UprightWorld BestNavigator::upright(const Matrix6d& pose_covariance) const {
+GravityAlignment BestNavigator::upright(const Matrix6d& pose_covariance) const {
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond::FromTwoVectors(up_in_world_, Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d& start = world_from_start_->translation;
-  return {.upright_from_world = {turn, start - turn * start},
+  return {.aligned_from_world = {turn, start - turn * start},
           .pose_covariance = both_turned(pose_covariance, turn),
           .sigma_rad = std::sqrt(up_variance_)};
 }
@@ -141,8 +141,8 @@ NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,
       out.twist_covariance += unproven(flow.twist_in_camera.velocity_m_s.norm(), height);
     }
   }
-  out.picture_speed_px_s = flow.picture_speed_px_s;
-  out.picture_shift_px = flow.picture_shift_px;
+  out.image_speed_px_s = flow.image_speed_px_s;
+  out.image_shift_px = flow.image_shift_px;
   out.reference = reference.reference;
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   return out;

@@ -33,7 +33,7 @@ class BestNavigator {
                                           const NavigationEstimate& reference) const;
   void take_unit(const NavigationEstimate& flow);
   void take_up(const NavigationEstimate& flow, const Eigen::Quaterniond& world_from_body);
-  [[nodiscard]] UprightWorld upright(const Matrix6d& pose_covariance) const;
+  [[nodiscard]] GravityAlignment upright(const Matrix6d& pose_covariance) const;
 
   Camera camera_;
   RigidTransform body_from_camera_;

@@ -1,6 +1,6 @@
 #include "navigation/feature_association.hpp"
 
-#include "flow/picture_mask.hpp"
+#include "flow/image_mask.hpp"
 
 namespace stillkite {
 namespace {
@@ -20,7 +20,7 @@ AssociationMethod make_association(const ReferenceConfig& config) {
 }
 
 // At its very place; our own windows are left out where a part of them is hidden.
-void leave_out_hidden(FeatureTracks& tracks, const PictureMask& mask) {
+void leave_out_hidden(FeatureTracks& tracks, const ImageMask& mask) {
   const auto is_hidden = [&](const Eigen::Vector2f& at_px) {
     return mask.hidden_ratio(at_px.x(), at_px.y(), 1, 1) > 0;
   };

@@ -20,7 +20,7 @@ struct FeatureBearings {
 };
 [[nodiscard]] FeatureBearings feature_bearings(const Camera& camera, const FeatureTracks& tracks);
 
-/// The inliers, where they are now, as features of this picture.
+/// The inliers, where they are now, as features of this image.
 [[nodiscard]] std::vector<cv::Point2f> followed_features(const FeatureTracks& tracks,
                                                          const FeatureBearings& bearings,
                                                          const std::vector<unsigned char>& inliers);
@@ -39,7 +39,7 @@ struct FeatureBearings {
 [[nodiscard]] std::optional<double> unit_variance(const FeatureBearings& bearings,
                                                   const RelativePoseEstimate& estimate);
 
-/// Mean length of the found features' way from the reference to now, in the picture.
+/// Mean length of the found features' way from the reference to now, in the image.
 [[nodiscard]] double mean_shift_px(const FeatureTracks& tracks);
 
 /// Length of the way over the distance of what is seen, the mean over the inliers by least squares:

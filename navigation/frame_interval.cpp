@@ -11,7 +11,7 @@ namespace {
 // A frame whose stamp is not later than the last one's was still taken at some other instant.
 constexpr double kLeastInterval_s = 1e-3;
 
-bool same_picture(const cv::Mat& a, const cv::Mat& b) {
+bool same_image(const cv::Mat& a, const cv::Mat& b) {
   if (a.size() != b.size()) return false;
   for (int row = 0; row < a.rows; ++row) {
     if (std::memcmp(a.ptr(row), b.ptr(row), static_cast<std::size_t>(a.cols)) != 0) return false;
@@ -19,13 +19,13 @@ bool same_picture(const cv::Mat& a, const cv::Mat& b) {
   return true;
 }
 
-cv::Mat every_eighth_row(const cv::Mat& picture) {
+cv::Mat every_eighth_row(const cv::Mat& image) {
   constexpr int kEvery = 8;
-  return {(picture.rows + kEvery - 1) / kEvery, picture.cols, picture.type(), picture.data,
-          kEvery * picture.step};
+  return {(image.rows + kEvery - 1) / kEvery, image.cols, image.type(), image.data,
+          kEvery * image.step};
 }
 
-// What a picture has changed by over its slope: the way that it has moved, up to a pixel or two.
+// What an image has changed by over its slope: the way that it has moved, up to a pixel or two.
 double shown_px(const cv::Mat& before, const cv::Mat& now) {
   const cv::Mat a = every_eighth_row(before);
   const cv::Mat b = every_eighth_row(now);
@@ -51,13 +51,13 @@ FrameInterval FrameClock::pass(const Frame& frame, double speed_px_s) {
   }
   last_stamp_ = last_stamp_ ? std::max(*last_stamp_, frame.stamp) : frame.stamp;
   if (out.spoiled != Verdict::frozen) {
-    last_picture_ = frame.grey;
+    last_image_ = frame.grey;
     still_px_ = 0;
   }
   return out;
 }
 
-// What moves by more than a pixel a frame does not stop within one. A picture that is sent again
+// What moves by more than a pixel a frame does not stop within one. An image that is sent again
 // shows 0.1 px after H.264 or MPEG-4, and 0.6 where it is coded by itself.
 bool FrameClock::is_sent_again(const cv::Mat& grey, double moved_px) {
   constexpr double kLeastMoved_px = 1;
@@ -66,8 +66,8 @@ bool FrameClock::is_sent_again(const cv::Mat& grey, double moved_px) {
   if (moved_px > kLeastMoved_px) {
     still_px_ = std::max(still_px_, std::min(kShare * moved_px, kMostStill_px));
   }
-  return same_picture(grey, last_picture_) ||
-         (still_px_ > 0 && grey.cols > 2 && shown_px(last_picture_, grey) < still_px_);
+  return same_image(grey, last_image_) ||
+         (still_px_ > 0 && grey.cols > 2 && shown_px(last_image_, grey) < still_px_);
 }
 
 }  // namespace stillkite

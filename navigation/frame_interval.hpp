@@ -20,8 +20,8 @@ class FrameClock {
  public:
   explicit FrameClock(double max_gap_s) : max_gap_s_(max_gap_s) {}
 
-  /// A picture that was sent again may have been coded again, and differ a little. It is frozen
-  /// where the pictures moved, by `speed_px_s` in the frame before (0: not known), and now do not,
+  /// An image that was sent again may have been coded again, and differ a little. It is frozen
+  /// where the images moved, by `speed_px_s` in the frame before (0: not known), and now do not,
   /// until they do.
   FrameInterval pass(const Frame& frame, double speed_px_s = 0);
 
@@ -30,8 +30,8 @@ class FrameClock {
 
   double max_gap_s_;
   std::optional<Timestamp> last_stamp_;
-  cv::Mat last_picture_;  // that was not frozen; shared with the source
-  double still_px_ = 0;   // while frozen: what shows less motion than this is so still
+  cv::Mat last_image_;   // that was not frozen; shared with the source
+  double still_px_ = 0;  // while frozen: what shows less motion than this is so still
 };
 
 }  // namespace stillkite

@@ -54,7 +54,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
 
 NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval& interval,
                                         const SensorReadings& readings) {
-  // 1. Either estimator by itself: the flow's picture is not searched for where it is of no use,
+  // 1. Either estimator by itself: the flow's image is not searched for where it is of no use,
   //    and the reference's is told the vertical.
   const NavigationEstimate flow = flow_.step(frame, interval, readings, flow_hints());
   if (flow_.has_leapt()) filter_.forget_start();
@@ -63,27 +63,27 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const Eigen::Quaterniond world_from_camera = *hints.attitude * body_from_camera_.rotation;
   const NavigationEstimate reference =
       reference_.step(frame, interval, hints, [&](const auto& bearings, const auto& inliers) {
-        return may_be_home(bearings, inliers, world_from_camera, frame.stamp);
+        return is_consistent_relocalization(bearings, inliers, world_from_camera, frame.stamp);
       });
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
   if (interval.spoiled == Verdict::first_frame) scale_stamp_ = last_ = frame.stamp;
   predict(readings, frame.stamp, reference);
-  take_readings(readings, frame.stamp);
+  update_from_sensors(readings, frame.stamp);
   // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
-  const Seen seen = see(flow, reference, interval.spoiled.has_value());
+  const Seen seen = update_from_images(flow, reference, interval.spoiled.has_value());
   const VectorEstimate velocity = mean_velocity(flow, seen.ground);
   const MotionEstimate since_reference = motion_since_reference(reference.reference->motion);
   // 4. The camera, wherever it is, is what new landmarks and the ground will be seen from.
-  if (reference.reference->new_reference) take_reference(reference.reference->is_home);
+  if (reference.reference->new_reference) take_reference(reference.reference->on_first_reference);
   if (flow.new_keyframe) filter_.take_keyframe();
   const Verdict verdict = interval.spoiled                ? *interval.spoiled
                           : seen.ground || seen.landmarks ? Verdict::ok
                                                           : unmeasured(reference.verdict);
   NavigationEstimate out =
       with_report(answer(frame, verdict, velocity), reference, since_reference);
-  out.picture_speed_px_s = flow.picture_speed_px_s;
-  out.picture_shift_px = flow.picture_shift_px;
+  out.image_speed_px_s = flow.image_speed_px_s;
+  out.image_shift_px = flow.image_shift_px;
   out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   return out;
@@ -95,30 +95,32 @@ FlowHints FusedNavigator::flow_hints() const {
   return hints;
 }
 
-FusedNavigator::Seen FusedNavigator::see(const NavigationEstimate& flow,
-                                         const NavigationEstimate& reference, bool is_spoiled) {
-  const bool is_back = reference.reference->is_back;
-  const bool is_home = reference.reference->is_home;
+FusedNavigator::Seen FusedNavigator::update_from_images(const NavigationEstimate& flow,
+                                                        const NavigationEstimate& reference,
+                                                        bool is_spoiled) {
+  const bool relocalized = reference.reference->relocalized;
+  const bool on_first_reference = reference.reference->on_first_reference;
   landmarks_.weigh(reference_.unit_variance());
   flow_from_camera_ = flow.world_from_body * body_from_camera_;
   if (flow.scale != flow_scale_) reseat_anchor();  // its world has another unit now
   flow_scale_ = flow.scale;
-  if (flow.verdict == Verdict::ok && !is_back) judge_ground(is_home);
+  if (flow.verdict == Verdict::ok && !relocalized) judge_ground(on_first_reference);
   Seen seen;
-  seen.ground = is_ground_flat_ && see_ground();
-  if (is_back) filter_.restore(home_);
-  seen.landmarks = !is_spoiled && see_landmarks(is_home);
-  if (!has_gyro_ && !seen.ground) take_turn(reference);
-  if (is_back) reseat_anchor();
-  if (!has_gyro_) take_rate(seen.ground ? flow : reference);
+  seen.ground = is_ground_flat_ && update_from_plane();
+  if (relocalized) filter_.restore(home_);
+  seen.landmarks = !is_spoiled && update_from_landmarks(on_first_reference);
+  if (!has_gyro_ && !seen.ground) update_rotation(reference);
+  if (relocalized) reseat_anchor();
+  if (!has_gyro_) set_angular_rate(seen.ground ? flow : reference);
   return seen;
 }
 
 // Pavement and crops look alike at many places: what is seen of the first reference must be where
 // it is expected, give or take much more than the filter is off by when it is too sure.
-bool FusedNavigator::may_be_home(const FeatureBearings& bearings,
-                                 const std::vector<unsigned char>& inliers,
-                                 const Eigen::Quaterniond& world_from_camera, Timestamp now) const {
+bool FusedNavigator::is_consistent_relocalization(const FeatureBearings& bearings,
+                                                  const std::vector<unsigned char>& inliers,
+                                                  const Eigen::Quaterniond& world_from_camera,
+                                                  Timestamp now) const {
   constexpr double kSigmas = 10;
   constexpr double kLeast_heights = 0.005;  // and so many radians
   constexpr double kShareOfStep = 0.5;
@@ -133,8 +135,8 @@ bool FusedNavigator::may_be_home(const FeatureBearings& bearings,
                              kSigmas);
 }
 
-void FusedNavigator::take_reference(bool is_home) {
-  if (is_home) home_ = filter_.map();
+void FusedNavigator::take_reference(bool on_first_reference) {
+  if (on_first_reference) home_ = filter_.map();
   filter_.take_anchor();
   flow_from_anchor_ = flow_from_camera_;
 }
@@ -191,7 +193,7 @@ void FusedNavigator::predict(const SensorReadings& readings, Timestamp now,
 }
 
 // Where neither gyroscope nor ground tells it. Its errors last as the flow's do.
-void FusedNavigator::take_turn(const NavigationEstimate& reference) {
+void FusedNavigator::update_rotation(const NavigationEstimate& reference) {
   const MotionEstimate& motion = reference.reference->motion;
   if (reference.verdict != Verdict::ok || motion.status != EstimateStatus::ok) return;
   // of OpenCV's turns, and where pairs do not tell, nobody knows how good they are
@@ -200,12 +202,12 @@ void FusedNavigator::take_turn(const NavigationEstimate& reference) {
                       correlated_frames() * motion.rotation_covariance);
 }
 
-void FusedNavigator::take_rate(const NavigationEstimate& estimate) {
+void FusedNavigator::set_angular_rate(const NavigationEstimate& estimate) {
   rate_in_camera_rad_s_ = estimate.twist_in_camera.angular_rate_rad_s;
   rate_covariance_ = estimate.twist_covariance.bottomRightCorner<3, 3>();
 }
 
-void FusedNavigator::take_readings(const SensorReadings& readings, Timestamp now) {
+void FusedNavigator::update_from_sensors(const SensorReadings& readings, Timestamp now) {
   const CameraReadings camera =
       of_camera(readings, body_from_camera_, filter_.state().world_from_camera.rotation);
   constexpr double kAlike = 3;  // frames, over which what an attitude is off by lasts
@@ -245,7 +247,7 @@ InertialStep FusedNavigator::uncovered_step(const SensorReadings& readings, doub
 // The flow takes what it sees for flat and level. Where its own motion does not take the features
 // to where they are, what it sees has depth, and its metres are wrong ones; and so where landmarks
 // lie at different heights. What looks flat elsewhere than at the start may lie on another level.
-void FusedNavigator::judge_ground(bool is_home) {
+void FusedNavigator::judge_ground(bool on_first_reference) {
   if (config_.flat_ground) return;
   constexpr double kMostMisfit = 0.2;
   constexpr int kInARow = 5;
@@ -255,14 +257,15 @@ void FusedNavigator::judge_ground(bool is_home) {
       ground_misfit(reference_.bearings().pairs, flow_from_camera_.inverse() * flow_from_anchor_,
                     ground.normal_in_camera, ground.height_m, kShift_px / camera_.focal_x_px);
   if (!misfit) return;
-  const bool looks_flat = *misfit <= kMostMisfit && (is_home || is_ground_flat_) && !has_relief_;
+  const bool looks_flat =
+      *misfit <= kMostMisfit && (on_first_reference || is_ground_flat_) && !has_relief_;
   contrary_ = looks_flat == is_ground_flat_ ? 0 : contrary_ + 1;
   if (contrary_ < kInARow) return;
   is_ground_flat_ = looks_flat;
   contrary_ = 0;
 }
 
-bool FusedNavigator::see_ground() {
+bool FusedNavigator::update_from_plane() {
   const std::optional<KeyframeView>& view = flow_.view();
   return view && filter_.update_keyframe_view(*view, lens_ratio() * correlated_frames());
 }
@@ -277,14 +280,14 @@ double FusedNavigator::correlated_frames() const {
   return step_s_ > 0 ? std::max(1.0, config_.flow_correlated_s / step_s_) : 1;
 }
 
-bool FusedNavigator::see_landmarks(bool is_home) {
+bool FusedNavigator::update_from_landmarks(bool on_first_reference) {
   const FeatureBearings& bearings = reference_.bearings();
-  landmarks_.choose(filter_, bearings, reference_.inliers(), is_home);
+  landmarks_.choose(filter_, bearings, reference_.inliers(), on_first_reference);
   const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
   has_relief_ = !config_.flat_ground && filter_.shows_relief();
   if (has_relief_) is_ground_flat_ = false;
   // under a later reference the lowest level may be another than the start's
-  if (is_ground_flat_ || is_home) filter_.update_ground(is_ground_flat_);
+  if (is_ground_flat_ || on_first_reference) filter_.update_ground(is_ground_flat_);
   return taken >= config_.min_landmarks;
 }
 
@@ -315,7 +318,7 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict,
   out.world_from_start =
       RigidTransform{world_from_start_, filter_.start_m()} * body_from_camera_.inverse();
   out.pose_covariance = filter_.pose_covariance();
-  out.upright = {.upright_from_world = filter_.upright_from_world(),
+  out.upright = {.aligned_from_world = filter_.aligned_from_world(),
                  .pose_covariance = filter_.upright_pose_covariance(),
                  .sigma_rad = filter_.up_sigma_rad()};
   out.velocity_in_world_m_s = world_from_half_way() * velocity_in_camera.mean;

@@ -37,22 +37,23 @@ class FusedNavigator {
   void predict(const SensorReadings& readings, Timestamp now, const NavigationEstimate& reference);
   [[nodiscard]] InertialStep uncovered_step(const SensorReadings& readings, double dt_s,
                                             const NavigationEstimate& reference) const;
-  void take_turn(const NavigationEstimate& reference);
-  void take_rate(const NavigationEstimate& estimate);
-  void take_readings(const SensorReadings& readings, Timestamp now);
-  [[nodiscard]] Seen see(const NavigationEstimate& flow, const NavigationEstimate& reference,
-                         bool is_spoiled);
-  [[nodiscard]] bool may_be_home(const FeatureBearings& bearings,
-                                 const std::vector<unsigned char>& inliers,
-                                 const Eigen::Quaterniond& world_from_camera, Timestamp now) const;
-  void take_reference(bool is_home);
+  void update_rotation(const NavigationEstimate& reference);
+  void set_angular_rate(const NavigationEstimate& estimate);
+  void update_from_sensors(const SensorReadings& readings, Timestamp now);
+  [[nodiscard]] Seen update_from_images(const NavigationEstimate& flow,
+                                        const NavigationEstimate& reference, bool is_spoiled);
+  [[nodiscard]] bool is_consistent_relocalization(const FeatureBearings& bearings,
+                                                  const std::vector<unsigned char>& inliers,
+                                                  const Eigen::Quaterniond& world_from_camera,
+                                                  Timestamp now) const;
+  void take_reference(bool on_first_reference);
   void reseat_anchor();
-  void judge_ground(bool is_home);
-  [[nodiscard]] bool see_ground();
+  void judge_ground(bool on_first_reference);
+  [[nodiscard]] bool update_from_plane();
   [[nodiscard]] double lens_ratio() const;
   [[nodiscard]] FlowHints flow_hints() const;
   [[nodiscard]] double correlated_frames() const;
-  [[nodiscard]] bool see_landmarks(bool is_home);
+  [[nodiscard]] bool update_from_landmarks(bool on_first_reference);
   [[nodiscard]] MotionEstimate motion_since_reference(const MotionEstimate& by_reference) const;
   [[nodiscard]] Eigen::Quaterniond world_from_half_way() const;
   [[nodiscard]] VectorEstimate mean_velocity(const NavigationEstimate& flow, bool flow_taken) const;

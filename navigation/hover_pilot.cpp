@@ -47,8 +47,9 @@ MotionEstimate motion_estimate(const NavigationEstimate& estimate, const Matrix6
   if (estimate.reference &&
       (estimate.source == EstimateSource::reference || is_fused_without_metres)) {
     const MotionEstimate& seen = estimate.reference->motion;
-    return estimate.reference->is_home ? seen
-                                       : with_first_attitude(seen, start_from_camera.rotation);
+    return estimate.reference->on_first_reference
+               ? seen
+               : with_first_attitude(seen, start_from_camera.rotation);
   }
   const MotionEstimate motion = motion_from_start(estimate, world_from_start, body_from_camera);
   // the fusion's world is that of the first frame, whose pose in it is exact

@@ -9,7 +9,7 @@
 
 namespace stillkite {
 
-/// What a tethered drone's computer knows beside a picture when its command goes out.
+/// What a tethered drone's computer knows beside an image when its command goes out.
 struct TetheredReadings {
   Timestamp now;                        ///< of the command, not before the exposure
   std::optional<TetherReading> tether;  ///< the latest

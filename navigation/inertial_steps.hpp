@@ -10,7 +10,7 @@
 namespace stillkite {
 
 /// The interval's readings, each carrying on to its own stamp, and the last one up to `to` where
-/// that is no more than 20 ms later: a picture falls between two of them. What they leave open else
+/// that is no more than 20 ms later: an image falls between two of them. What they leave open else
 /// has none. Readings that are not finite, or out of turn, are left out.
 [[nodiscard]] std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
                                                        Timestamp from, Timestamp to,

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "navigation/assumptions.hpp"
+#include "navigation/image_texture.hpp"
 #include "navigation/motion_guess.hpp"
-#include "navigation/picture_texture.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFramesToLearnSpeed = 3;
 
-// The level of a pyramid on which a picture's texture is looked for.
+// The level of a pyramid on which an image's texture is looked for.
 constexpr int kTextureLevel = 2;
 
 const cv::Mat& coarse(const Pyramid& pyramid) {
@@ -70,13 +70,13 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   StopWatch watch;
   view_.reset();
   aligner_.set_mask(frame.mask);
-  // 1. Halve the picture a few times.
+  // 1. Halve the image a few times.
   current_.build(frame.grey, config_.alignment.levels);
   if (interval.spoiled == Verdict::first_frame) return start(frame, readings);
   const double pyramid_ms = watch.lap_ms();
   // 2. Predict where the camera is by now.
   track_.predict(interval.dt_s, readings);
-  // 3. From there find the motion since the keyframe that explains this picture.
+  // 3. From there find the motion since the keyframe that explains this image.
   remember_windows(interval);
   const PlaneAlignment alignment = interval.spoiled ? PlaneAlignment{} : align(hints.may_search);
   const double flow_ms = watch.lap_ms();
@@ -107,7 +107,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
 
 NavigationEstimate KeyframeNavigator::start(const Frame& frame, const SensorReadings& readings) {
   track_.start(readings, frame.stamp);
-  // nothing aligns to a bare picture: let the next one do
+  // nothing aligns to a bare image: let the next one do
   failures_ = is_bare(coarse(current_)) ? config_.keyframes.give_up_after : 0;
   take_keyframe();
   NavigationEstimate out = answer(frame, Verdict::first_frame);
@@ -162,7 +162,7 @@ std::vector<PlaneMotion> KeyframeNavigator::searched_motions() const {
   for (int l = 0; l < level; ++l) camera = half_resolution(camera);
   const Eigen::Vector3d normal = predicted_motion().normal;
   const LevelView view = level_view(camera, normal);
-  for (const PictureShift& shift :
+  for (const ImageShift& shift :
        find_shifts(aligner_.reference().level(level), current_.level(level), view.homography)) {
     const auto motions = motions_of(shift, camera, view, normal);
     out.insert(out.end(), motions.begin(), motions.end());
@@ -170,7 +170,7 @@ std::vector<PlaneMotion> KeyframeNavigator::searched_motions() const {
   return out;
 }
 
-// Of pictures of other places no two are as alike.
+// Of images of other places no two are as alike.
 bool KeyframeNavigator::fits(const PlaneAlignment& alignment) const {
   constexpr double kAlike = 0.9;
   return judge(alignment) == Verdict::ok && alignment.correlation >= kAlike;
@@ -200,7 +200,7 @@ PlaneAlignment KeyframeNavigator::align_at_speed(const PlaneMotion& guess,
                                in_heights(now, height_m)};
   PlaneAlignment alignment =
       aligner_.align(current_, guess, tilt_prior(keyframe, config_.levelling), shutter);
-  // on a speed that both pictures share the motion hardly depends
+  // on a speed that both images share the motion hardly depends
   if (learns_speed()) alignment.motion_by_twist.setZero();
   return alignment;
 }
@@ -239,7 +239,7 @@ Verdict KeyframeNavigator::judge(const PlaneAlignment& alignment) const {
     return is_bare(coarse(current_)) ? Verdict::too_little_texture : Verdict::lost;
   }
   if (!(alignment.condition < trust.max_condition)) return Verdict::ill_conditioned;
-  // relief, lens and shutter part the windows as the picture moves; water does where it is
+  // relief, lens and shutter part the windows as the image moves; water does where it is
   const double may_deviate_px =
       trust.max_deviation_px + trust.max_deviation_ratio * alignment.mean_flow_px;
   const bool is_rigid =
@@ -295,8 +295,8 @@ void KeyframeNavigator::tell_shift(double dt_s, NavigationEstimate& out) const {
     ++count;
   });
   if (count == 0) return;
-  out.picture_speed_px_s = way_px / count / dt_s;
-  out.picture_shift_px = shift_px / count;
+  out.image_speed_px_s = way_px / count / dt_s;
+  out.image_shift_px = shift_px / count;
 }
 
 bool KeyframeNavigator::count_success(const PlaneAlignment& alignment) {

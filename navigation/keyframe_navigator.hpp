@@ -15,11 +15,11 @@ namespace stillkite {
 
 /// What a filter around the flow tells it.
 struct FlowHints {
-  bool may_search = true;  ///< the picture for a lost keyframe, which takes several times as long
+  bool may_search = true;  ///< the image for a lost keyframe, which takes several times as long
   std::optional<Eigen::Vector3d> normal;  ///< of the ground in the keyframe, for the view alone
 };
 
-/// The recommended mode: every picture is aligned to a keyframe (docs/flow_navigator.md).
+/// The recommended mode: every image is aligned to a keyframe (docs/flow_navigator.md).
 class KeyframeNavigator {
  public:
   KeyframeNavigator(const Camera& camera, const RigidTransform& body_from_camera,

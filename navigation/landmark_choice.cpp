@@ -16,7 +16,7 @@ double outwards(const BearingPair& pair) {
 }  // namespace
 
 void LandmarkChoice::weigh(std::optional<double> unit_variance) {
-  constexpr double kLeast = 0.25;  // coding may repeat a still picture, noise and all
+  constexpr double kLeast = 0.25;  // coding may repeat a still image, noise and all
   last_ = unit_variance.value_or(0);
   if (unit_variance) mean_.add(std::max(*unit_variance, kLeast));
 }
@@ -39,7 +39,8 @@ std::vector<FeatureView> LandmarkChoice::views(const FeatureBearings& bearings,
 }
 
 void LandmarkChoice::choose(FusionFilter& filter, const FeatureBearings& bearings,
-                            const std::vector<unsigned char>& inliers, bool is_home) const {
+                            const std::vector<unsigned char>& inliers,
+                            bool on_first_reference) const {
   if (!bearings.pairs.empty()) number(filter, bearings);
   std::vector<unsigned char> usable = inliers;
   const std::vector<int>& dropped = filter.dropped();
@@ -50,7 +51,7 @@ void LandmarkChoice::choose(FusionFilter& filter, const FeatureBearings& bearing
   if (std::find(usable.begin(), usable.end(), 1) == usable.end()) return;
   // as many more as may take the places of those that stray
   constexpr std::size_t kOffered = 2;
-  const auto count = static_cast<std::size_t>(make_room(filter, is_home));
+  const auto count = static_cast<std::size_t>(make_room(filter, on_first_reference));
   const bool is_first_choice = filter.landmarks().empty();
   std::vector<Eigen::Vector2d> at_hand;
   at_hand.reserve(filter.landmarks().size());
@@ -78,12 +79,12 @@ void LandmarkChoice::number(FusionFilter& filter, const FeatureBearings& bearing
   filter.number_landmarks(reference, kSamePoint_px / focal_px_);
 }
 
-int LandmarkChoice::make_room(FusionFilter& filter, bool is_home) const {
+int LandmarkChoice::make_room(FusionFilter& filter, bool on_first_reference) const {
   const std::vector<Landmark>& landmarks = filter.landmarks();
   const auto in_view = static_cast<int>(std::count_if(
       landmarks.begin(), landmarks.end(), [](const Landmark& l) { return l.unseen == 0; }));
   const int enough = config_.landmarks / 2;
-  if (in_view < enough) filter.drop_unseen(is_home);
+  if (in_view < enough) filter.drop_unseen(on_first_reference);
   return std::max({0, config_.landmarks - static_cast<int>(landmarks.size()), enough - in_view});
 }
 
@@ -100,7 +101,7 @@ Eigen::Matrix2d LandmarkChoice::covariance(const FeatureBearings& bearings, std:
                                            double unit_variance) const {
   constexpr double kUntold_px = 0.1;
   constexpr double kOwn = 4;
-  constexpr double kCoding = 12;  // a film's first pictures, at most
+  constexpr double kCoding = 12;  // a film's first images, at most
   constexpr double kEnough = 48;
   const double one_px = 1 / focal_px_;
   const Eigen::Matrix2d noise =

@@ -22,7 +22,7 @@ class LandmarkChoice {
   /// Those of the reference before go on under this one's numbers, and others are added where too
   /// few are in view. At home, which will be met again, none that is out of view makes way.
   void choose(FusionFilter& filter, const FeatureBearings& bearings,
-              const std::vector<unsigned char>& inliers, bool is_home) const;
+              const std::vector<unsigned char>& inliers, bool on_first_reference) const;
   /// The inliers, where they are seen now.
   [[nodiscard]] std::vector<FeatureView> views(const FeatureBearings& bearings,
                                                const std::vector<unsigned char>& inliers) const;
@@ -30,7 +30,7 @@ class LandmarkChoice {
  private:
   void number(FusionFilter& filter, const FeatureBearings& bearings) const;
   // How many may come.
-  [[nodiscard]] int make_room(FusionFilter& filter, bool is_home) const;
+  [[nodiscard]] int make_room(FusionFilter& filter, bool on_first_reference) const;
   [[nodiscard]] FeatureView in_reference(const FeatureBearings& bearings, std::size_t pair) const;
   [[nodiscard]] Eigen::Matrix2d covariance(const FeatureBearings& bearings, std::size_t pair,
                                            double unit_variance) const;

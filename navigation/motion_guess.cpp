@@ -43,7 +43,7 @@ LevelView level_view(const Camera& camera, const Eigen::Vector3d& normal) {
   K << camera.focal_x_px, 0, camera.centre_x_px, 0, camera.focal_y_px, camera.centre_y_px, 0, 0, 1;
   const Eigen::Vector3d middle = middle_px(camera).homogeneous();
   const Eigen::Vector3d towards = out.view_from_camera * K.inverse() * middle;
-  // what the middle shows is as large as in the picture
+  // what the middle shows is as large as in the image
   out.K = K;
   out.K.topLeftCorner<2, 2>() *= towards.z();
   out.K.topRightCorner<2, 1>().setZero();
@@ -52,7 +52,7 @@ LevelView level_view(const Camera& camera, const Eigen::Vector3d& normal) {
   return out;
 }
 
-std::vector<PlaneMotion> motions_of(const PictureShift& shift, const Camera& camera,
+std::vector<PlaneMotion> motions_of(const ImageShift& shift, const Camera& camera,
                                     const LevelView& view, const Eigen::Vector3d& normal) {
   const Eigen::Matrix3d K_inverse = view.K.inverse();
   const Eigen::Vector3d b = K_inverse * middle_px(camera).homogeneous();

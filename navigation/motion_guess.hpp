@@ -4,7 +4,7 @@
 
 #include "estimation/ego_motion/motion_filter.hpp"
 #include "estimation/ego_motion/plane_motion.hpp"
-#include "flow/picture_search.hpp"
+#include "flow/image_search.hpp"
 #include "geometry/camera.hpp"
 
 namespace stillkite {
@@ -14,7 +14,7 @@ namespace stillkite {
 [[nodiscard]] double prediction_sigma_px(const Camera& camera, const MotionFilter& filter);
 
 /// A view of the ground from straight above, as far as the camera's tilt allows: over it a way
-/// parallel to the ground is one shift of the whole picture. Lens distortion is left out.
+/// parallel to the ground is one shift of the whole image. Lens distortion is left out.
 struct LevelView {
   Eigen::Quaterniond view_from_camera = Eigen::Quaterniond::Identity();
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();  ///< of the view; the middle stays the middle
@@ -24,7 +24,7 @@ struct LevelView {
 
 /// The motions that shift the view's middle as seen, over a plane of this normal (camera axes): by
 /// a way parallel to the plane, and by a turn alone.
-[[nodiscard]] std::vector<PlaneMotion> motions_of(const PictureShift& shift, const Camera& camera,
+[[nodiscard]] std::vector<PlaneMotion> motions_of(const ImageShift& shift, const Camera& camera,
                                                   const LevelView& view,
                                                   const Eigen::Vector3d& normal);
 

@@ -37,22 +37,22 @@ struct EnumNames<Stage> {
 
 /// What the reference estimator says of one frame.
 struct ReferenceReport {
-  MotionEstimate motion;       ///< from the reference frame at hand; the fusion's, once in metres
-  Timestamp reference_stamp;   ///< of that frame
-  bool is_home = true;         ///< it is the first one; else only rotation leads further back
-  bool new_reference = false;  ///< this frame is the reference from now on
-  bool is_back = false;        ///< the first one was found again, in this frame
+  MotionEstimate motion;      ///< from the reference frame at hand; the fusion's, once in metres
+  Timestamp reference_stamp;  ///< of that frame
+  bool on_first_reference = true;  ///< it is the first one; else only rotation leads further back
+  bool new_reference = false;      ///< this frame is the reference from now on
+  bool relocalized = false;        ///< the first one was found again, in this frame
   ViewModel model = ViewModel::undecided;
   int features = 0;        ///< of the reference, found again
   int inliers = 0;         ///< of them, those that the model explains
   double residual_px = 0;  ///< robust standard deviation of the inliers from it
-  /// Mean since the frame before, by the pictures alone.
+  /// Mean since the frame before, by the images alone.
   std::optional<Eigen::Vector3d> seen_rate_in_camera_rad_s;
 };
 
 /// What is upright where the world is that of the first frame, whose pose stays as it was given.
-struct UprightWorld {
-  RigidTransform upright_from_world;  ///< by the least turn, about the camera's place at the start
+struct GravityAlignment {
+  RigidTransform aligned_from_world;  ///< by the least turn, about the camera's place at the start
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< of the pose there, in its axes
   double sigma_rad = 0;  ///< of the vertical, about the axis of which less is known
 };
@@ -69,19 +69,19 @@ struct NavigationEstimate {
   RigidTransform world_from_start;  ///< the same at the first frame, in metres once there are any
   Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in world
 
-  std::optional<UprightWorld> upright;  ///< where the world itself need not be
+  std::optional<GravityAlignment> upright;  ///< where the world itself need not be
 
   Twist twist_in_camera;  ///< filtered; with keyframes the mean over the interval, half way
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)
   std::optional<Twist> measured_twist;           ///< this frame's least squares, before the filter
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
-  /// Of the ground, since the last picture that was not frozen but over the last interval; 0: not
+  /// Of the ground, since the last image that was not frozen but over the last interval; 0: not
   /// measured.
-  double picture_speed_px_s = 0;
-  /// Of the ground, mean, since that picture; nothing where it was not measured.
-  std::optional<Eigen::Vector2d> picture_shift_px;
+  double image_speed_px_s = 0;
+  /// Of the ground, mean, since that image; nothing where it was not measured.
+  std::optional<Eigen::Vector2d> image_shift_px;
 
-  double hidden_ratio = 0;  ///< of the picture: by its mask, and what was found to be fixed to it
+  double hidden_ratio = 0;  ///< of the image: by its mask, and what was found to be fixed to it
 
   ScaleSource scale = ScaleSource::none;
   double scale_age_s = 0;  ///< since the last reading of that source
@@ -93,12 +93,12 @@ struct NavigationEstimate {
 
 /// The same in a world whose z is up: poses, covariance and velocity turned as `upright` has it;
 /// one whose world is upright by itself stays as it is.
-[[nodiscard]] inline NavigationEstimate told_upright(NavigationEstimate estimate) {
+[[nodiscard]] inline NavigationEstimate gravity_aligned(NavigationEstimate estimate) {
   if (!estimate.upright) return estimate;
-  const RigidTransform& upright_from_world = estimate.upright->upright_from_world;
-  estimate.world_from_body = upright_from_world * estimate.world_from_body;
-  estimate.world_from_start = upright_from_world * estimate.world_from_start;
-  estimate.velocity_in_world_m_s = upright_from_world.rotation * estimate.velocity_in_world_m_s;
+  const RigidTransform& aligned_from_world = estimate.upright->aligned_from_world;
+  estimate.world_from_body = aligned_from_world * estimate.world_from_body;
+  estimate.world_from_start = aligned_from_world * estimate.world_from_start;
+  estimate.velocity_in_world_m_s = aligned_from_world.rotation * estimate.velocity_in_world_m_s;
   estimate.pose_covariance = estimate.upright->pose_covariance;
   estimate.upright.reset();
   return estimate;

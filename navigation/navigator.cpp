@@ -5,8 +5,8 @@
 #include <cmath>
 #include <variant>
 
-#include "flow/fixture_finder.hpp"
-#include "flow/picture_mask.hpp"
+#include "flow/image_mask.hpp"
+#include "flow/static_overlay_detector.hpp"
 #include "navigation/best_navigator.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/fused_navigator.hpp"
@@ -47,7 +47,7 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
   return KeyframeNavigator(camera, body_from_camera, config, initial);
 }
 
-void check_picture(const Frame& frame, const Camera& camera) {
+void check_image(const Frame& frame, const Camera& camera) {
   const cv::Mat& grey = frame.grey;
   if (frame.mask && frame.mask->shows_world().size() != grey.size()) {
     throw InputError(fmt::format("frame {}: {}x{} pixels, its mask {}x{}", frame.index, grey.cols,
@@ -63,7 +63,7 @@ void check_picture(const Frame& frame, const Camera& camera) {
 }
 
 // A range finder without an echo may tell infinity. Inertial readings are looked at one by one.
-SensorReadings those_that_are_numbers(SensorReadings readings) {
+SensorReadings drop_non_finite(SensorReadings readings) {
   const auto drop = [](auto& reading, bool is_number) {
     if (!is_number) reading.reset();
   };
@@ -80,8 +80,8 @@ struct Navigator::State {
   Camera camera;
   FrameClock clock;
   Method method;
-  FixtureFinder fixtures;
-  double picture_speed_px_s = 0;  // by the frame before
+  StaticOverlayDetector fixtures;
+  double image_speed_px_s = 0;  // by the frame before
 };
 
 Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -99,15 +99,15 @@ Navigator& Navigator::operator=(Navigator&&) noexcept = default;
 // A frame's journey is that of its method: KeyframeNavigator::step, PaperNavigator::step,
 // ReferenceNavigator::step, BestNavigator::step or FusedNavigator::step.
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
-  check_picture(frame, state_->camera);
-  const FrameInterval interval = state_->clock.pass(frame, state_->picture_speed_px_s);
-  const SensorReadings numbers = those_that_are_numbers(readings);
+  check_image(frame, state_->camera);
+  const FrameInterval interval = state_->clock.pass(frame, state_->image_speed_px_s);
+  const SensorReadings numbers = drop_non_finite(readings);
   const Frame masked = state_->fixtures.masked(frame);
   NavigationEstimate estimate = std::visit(
       [&](auto& method) { return method.step(masked, interval, numbers); }, state_->method);
   if (masked.mask) estimate.hidden_ratio = masked.mask->hidden_ratio();
-  state_->picture_speed_px_s = estimate.picture_speed_px_s;
-  state_->fixtures.learn(frame.grey, estimate.picture_shift_px);
+  state_->image_speed_px_s = estimate.image_speed_px_s;
+  state_->fixtures.learn(frame.grey, estimate.image_shift_px);
   return estimate;
 }
 

@@ -23,9 +23,9 @@ class Navigator {
   Navigator(Navigator&&) noexcept;
   Navigator& operator=(Navigator&&) noexcept;
 
-  /// Never throws for what a picture shows: a bad frame gets a verdict. A frame of another size
+  /// Never throws for what an image shows: a bad frame gets a verdict. A frame of another size
   /// than the camera's throws InputError. The pixels are kept by reference, those of a keyframe for
-  /// many frames: hand over a picture of its own each time (FrameSource does).
+  /// many frames: hand over an image of its own each time (FrameSource does).
   NavigationEstimate step(const Frame& frame, const SensorReadings& readings = {});
 
   /// What the windows of the last frame saw, to be drawn; empty where nothing was measured.

@@ -79,15 +79,15 @@ struct TrustConfig {
   static void fields(auto& self, auto&& field) {
     field("min_windows", self.min_windows, Range{1, 100000}, "windows with texture");
     field("min_inlier_ratio", self.min_inlier_ratio, Range{0, 1}, "weight kept by those windows");
-    field("min_correlation", self.min_correlation, Range{-1, 1}, "of the aligned pictures");
+    field("min_correlation", self.min_correlation, Range{-1, 1}, "of the aligned images");
     field("min_found_correlation", self.min_found_correlation, Range{-1, 1},
-          "of pictures aligned from a place that was searched, not foretold: who tries often errs");
+          "of images aligned from a place that was searched, not foretold: who tries often errs");
     field("max_deviation_px", self.max_deviation_px, kPositive,
           "of the windows from the one motion, beyond the noise, however little has moved");
     field("max_deviation_ratio", self.max_deviation_ratio, kNotNegative,
           "the same, for every pixel of mean flow since the keyframe");
     field("rigid_correlation", self.rigid_correlation, Range{-1, 1},
-          "of the aligned pictures, from which on windows may deviate: the ground is rigid");
+          "of the aligned images, from which on windows may deviate: the ground is rigid");
     field("max_last_update_px", self.max_last_update_px, kPositive,
           "change of the windows' places in the last step, rms");
     field("max_condition", self.max_condition, Range{.min = 1}, "of the scaled information");
@@ -136,8 +136,8 @@ struct NavigatorConfig {
           "time from the first row's exposure to the last row's; 0: global shutter");
     field("initial_tilt_sigma_rad", self.initial_tilt_sigma_rad, Range{1e-6, 1},
           "how well roll and pitch are known at the start, as a standard deviation");
-    field("alignment", self.alignment, "direct alignment of two pictures of the ground");
-    field("keyframes", self.keyframes, "what a picture is aligned to");
+    field("alignment", self.alignment, "direct alignment of two images of the ground");
+    field("keyframes", self.keyframes, "what an image is aligned to");
     field("levelling", self.levelling, "roll and pitch from the ground's normal");
     field("filter", self.filter, "Kalman filter of pose, velocity and angular rate");
     field("paper", self.paper, "the flow paper's own steps, in its mode");

@@ -6,7 +6,7 @@
 #include "estimation/ego_motion/integration.hpp"
 #include "estimation/ego_motion/motion_field.hpp"
 #include "navigation/assumptions.hpp"
-#include "navigation/picture_texture.hpp"
+#include "navigation/image_texture.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
@@ -206,7 +206,7 @@ NavigationEstimate PaperNavigator::answer(const Frame& frame, const EgoMotion& m
       .mean_flow_px = windows_.empty() ? 0 : flow_px / static_cast<double>(windows_.size()),
       .residual_px = motion.residual_px,
       .condition = std::isfinite(motion.condition) ? motion.condition : 0};
-  if (motion.verdict == Verdict::ok) out.picture_speed_px_s = out.quality.mean_flow_px / dt_s_;
+  if (motion.verdict == Verdict::ok) out.image_speed_px_s = out.quality.mean_flow_px / dt_s_;
   return out;
 }
 

@@ -84,7 +84,7 @@ void PoseTrack::accept(const PlaneAlignment& alignment, const SensorReadings& re
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
   const double leap_m = leap_to(chained);
   has_leapt_ = leap_m > 0;
-  if (has_leapt_) {  // where it is the pictures show; how fast they do not
+  if (has_leapt_) {  // where it is the images show; how fast they do not
     filter_.doubt_place(leap_m);
     forget_speed();
   }

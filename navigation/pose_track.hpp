@@ -44,7 +44,7 @@ class PoseTrack {
   [[nodiscard]] const PoseEstimate& camera() const { return camera_; }
   /// Of the camera at the first frame; stretched with the world once a height is known.
   [[nodiscard]] const RigidTransform& world_from_start() const { return world_from_start_; }
-  /// The last frame shows the camera further on than any drone is accelerated: pictures
+  /// The last frame shows the camera further on than any drone is accelerated: images
   /// are missing whose time has not passed, or those before were sent again.
   [[nodiscard]] bool has_leapt() const { return has_leapt_; }
   [[nodiscard]] ScaleSource scale() const { return keyframe_.scale; }

@@ -43,7 +43,7 @@ ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransfor
 
 NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInterval& interval,
                                             const SensorReadings& readings,
-                                            const HomeCheck& may_be_home) {
+                                            const HomeCheck& is_consistent_relocalization) {
   StopWatch watch;
   windows_.clear();
   bearings_ = {};
@@ -52,12 +52,12 @@ NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInter
   followed_px_.clear();
   twist_.reset();
   begin_report(frame.stamp);
-  // 1. The first frame is the one to hold. Nothing is learnt of a frozen picture, or out of turn.
+  // 1. The first frame is the one to hold. Nothing is learnt of a frozen image, or out of turn.
   if (interval.spoiled == Verdict::first_frame) start_stamp_ = current_.stamp = frame.stamp;
   if (!has_reference_) return start(frame);
   if (interval.spoiled && !interval.is_late) return answer(frame, *interval.spoiled);
   // 2. Where the reference's features are in this frame; the lost ones are dropped.
-  if (look_for_home(frame, readings, may_be_home)) go_home(frame.stamp);
+  if (look_for_home(frame, readings, is_consistent_relocalization)) go_home(frame.stamp);
   const FeatureTracks& tracks = references_.back().association.find(frame);
   references_.back().most_found = std::max(references_.back().most_found, tracks.found_count);
   const double flow_ms = watch.lap_ms();
@@ -86,7 +86,8 @@ ReferenceNavigator::Reference ReferenceNavigator::fresh_reference() const {
 }
 
 void ReferenceNavigator::begin_report(Timestamp now) {
-  report_ = {.reference_stamp = references_.back().attitude.stamp, .is_home = is_home_};
+  report_ = {.reference_stamp = references_.back().attitude.stamp,
+             .on_first_reference = on_first_reference_};
   if (has_reference_) report_.motion = carried_on(now);
 }
 
@@ -105,7 +106,7 @@ MotionEstimate ReferenceNavigator::carried_on(Timestamp now) const {
 }
 
 NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
-  // what the camera did before the first picture that shows something, nothing has measured
+  // what the camera did before the first image that shows something, nothing has measured
   report_.new_reference = take_reference(frame, frame.stamp == start_stamp_);
   report_.reference_stamp = frame.stamp;
   return answer(frame, has_reference_ ? Verdict::first_frame : Verdict::too_little_texture);

@@ -30,9 +30,11 @@ class ReferenceNavigator {
   ReferenceNavigator(const Camera& camera, const RigidTransform& body_from_camera,
                      const NavigatorConfig& config, const InitialState& initial, Mode mode);
 
-  /// The first frame is found again where `may_be_home`, if there is one, does not contradict.
+  /// The first frame is found again where `is_consistent_relocalization`, if there is one, does not
+  /// contradict.
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
-                          const SensorReadings& readings, const HomeCheck& may_be_home = {});
+                          const SensorReadings& readings,
+                          const HomeCheck& is_consistent_relocalization = {});
 
   /// The features of the last frame and its pose; empty where none was looked for.
   [[nodiscard]] const FeatureBearings& bearings() const { return bearings_; }
@@ -69,7 +71,7 @@ class ReferenceNavigator {
       const std::optional<RelativePose>& prior,
       const std::optional<Eigen::Quaterniond>& world_from_body) const;
   [[nodiscard]] bool look_for_home(const Frame& frame, const SensorReadings& readings,
-                                   const HomeCheck& may_be_home);
+                                   const HomeCheck& is_consistent_relocalization);
   void go_home(Timestamp now);
   [[nodiscard]] Reference fresh_reference() const;
   void begin_report(Timestamp now);
@@ -101,7 +103,7 @@ class ReferenceNavigator {
   std::optional<Twist> twist_;
   Eigen::Matrix3d rate_covariance_ = Eigen::Matrix3d::Zero();
   bool has_reference_ = false;
-  bool is_home_ = true;
+  bool on_first_reference_ = true;
   bool is_rate_known_ = true;  // the last attitude is by the reference at hand
   int frames_since_reference_ = 0;
   int frames_away_ = 0;      // from home
@@ -111,7 +113,7 @@ class ReferenceNavigator {
   FeatureBearings bearings_;
   std::vector<unsigned char> inliers_;
   std::optional<double> unit_variance_;
-  std::vector<cv::Point2f> followed_px_;  // inliers, in the picture at hand
+  std::vector<cv::Point2f> followed_px_;  // inliers, in the image at hand
   std::vector<WindowFlow> windows_;
 };
 

@@ -4,10 +4,10 @@
 
 #include "flow/pyramid.hpp"
 #include "geometry/angle.hpp"
-#include "navigation/picture_texture.hpp"
+#include "navigation/image_texture.hpp"
 #include "navigation/reference_navigator.hpp"
 
-// Which picture is the reference: a new one where few features are left, the first one again where
+// Which image is the reference: a new one where few features are left, the first one again where
 // it comes back into view.
 
 namespace stillkite {
@@ -25,7 +25,7 @@ bool is_featureless(const cv::Mat& grey) {
 }
 
 // About the optical axis, from x to y.
-double picture_turn_rad(const Eigen::Quaterniond& current_from_reference) {
+double image_turn_rad(const Eigen::Quaterniond& current_from_reference) {
   const Eigen::Matrix3d R = current_from_reference.toRotationMatrix();
   return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
 }
@@ -51,26 +51,26 @@ void ReferenceNavigator::renew_reference(const Frame& frame, int features, Verdi
 
 // Many of its features, and of those most in one pose: less may be chance.
 bool ReferenceNavigator::look_for_home(const Frame& frame, const SensorReadings& readings,
-                                       const HomeCheck& may_be_home) {
+                                       const HomeCheck& is_consistent_relocalization) {
   if (references_.size() == 1 || ++frames_away_ % config_.seek_home_every_frames != 0) return false;
-  const double turn_rad = picture_turn_rad(current_.world_from_camera.conjugate() *
-                                           references_.front().attitude.world_from_camera);
+  const double turn_rad = image_turn_rad(current_.world_from_camera.conjugate() *
+                                         references_.front().attitude.world_from_camera);
   const FeatureTracks& tracks = references_.front().association.find(frame, turn_rad);
   if (tracks.found_count < kManyTimes * fewest_features(references_.front())) return false;
   const FeatureBearings bearings = feature_bearings(camera_, tracks);
   const RelativePoseEstimate pose =
       estimate(bearings.pairs, references_.front(), {}, readings.attitude);
   return pose.model != ViewModel::undecided && 2 * pose.inlier_count > tracks.found_count &&
-         (!may_be_home || may_be_home(bearings, pose.inliers));
+         (!is_consistent_relocalization || is_consistent_relocalization(bearings, pose.inliers));
 }
 
 void ReferenceNavigator::go_home(Timestamp now) {
   references_.pop_back();
-  is_home_ = true;
+  on_first_reference_ = true;
   is_rate_known_ = false;
   begin_reference();
   begin_report(now);
-  report_.is_back = true;
+  report_.relocalized = true;
 }
 
 void ReferenceNavigator::begin_reference() {
@@ -85,10 +85,10 @@ bool ReferenceNavigator::keeps_home() const {
          config_.renew_every_frames == 0 && config_.association != Association::opencv;
 }
 
-// A picture without features would be held to for ever: what there is stays until a better comes.
+// An image without features would be held to for ever: what there is stays until a better comes.
 bool ReferenceNavigator::set_reference(const Frame& frame) {
   if (is_featureless(frame.grey)) return false;
-  if (!has_reference_ || !is_home_ || !keeps_home()) {
+  if (!has_reference_ || !on_first_reference_ || !keeps_home()) {
     return references_.back().association.set_reference(frame, config_.min_features, followed_px_);
   }
   Reference next = fresh_reference();
@@ -104,7 +104,7 @@ bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
   if (!measured) {
     current_.covariance.diagonal().array() += kLossSigma_rad * kLossSigma_rad;
   }
-  is_home_ = !has_reference_ || mode_ == Mode::paper;
+  on_first_reference_ = !has_reference_ || mode_ == Mode::paper;
   if (has_reference_ && mode_ == Mode::paper) current_.world_from_camera = start_.rotation;
   has_reference_ = true;
   current_.covariance_from_reference.setZero();

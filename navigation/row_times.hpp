@@ -10,7 +10,7 @@
 namespace stillkite {
 
 /// Features of a camera that exposes its rows one after the other, as they would have been seen at
-/// the frame's stamp, which is its middle row's. How fast a feature moves in the picture is what it
+/// the frame's stamp, which is its middle row's. How fast a feature moves in the image is what it
 /// has moved since it was last seen, so that nothing need be known of the scene.
 class RowTimes {
  public:

@@ -6,7 +6,7 @@
 #include "stabilization/hold_config.hpp"
 #include "stabilization/hold_decision.hpp"
 #include "stabilization/hold_plan.hpp"
-#include "stabilization/own_motion.hpp"
+#include "stabilization/velocity_model.hpp"
 
 namespace stillkite {
 
@@ -31,7 +31,7 @@ class HoldController {
 
   HoldConfig config_;
   HoldMemory memory_;
-  OwnMotion own_;
+  VelocityModel own_;
   HeldTether held_;
   std::optional<Timestamp> last_;
   std::optional<Timestamp> last_moved_;  // when the position was controlled last

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "geometry/time.hpp"
+#include "stabilization/azimuth_to_displacement.hpp"
 #include "stabilization/hold_errors.hpp"
 #include "stabilization/tether.hpp"
 #include "stabilization/tether_rates.hpp"
-#include "stabilization/turn_to_way.hpp"
 
 namespace stillkite {
 namespace {
@@ -77,14 +77,15 @@ LevelMotion learned_drift(const HoldAxes& axes) {
 
 // By how much way and turn home have changed by now: a drift is taken to have gone on since the
 // exposure, and the drone has gone its own way.
-LevelMotion since_exposure(const HoldInput& input, const LevelMotion& drift, const OwnMotion& own) {
+LevelMotion since_exposure(const HoldInput& input, const LevelMotion& drift,
+                           const VelocityModel& own) {
   const Timestamp exposure = input.estimate->stamp;
   return drift * seconds_between(exposure, input.now) - own.way_since(exposure);
 }
 
 // The same once the drone follows the commands it has: less what it will still coast.
 LevelMotion predicted_change(const RecommendedHoldConfig& config, const HoldInput& input,
-                             const HoldAxes& axes, const OwnMotion& own) {
+                             const HoldAxes& axes, const VelocityModel& own) {
   if (!config.predict) return LevelMotion::Zero();
   const LevelMotion drift = learned_drift(axes);
   return since_exposure(input, drift, own) + config.lag_s * (drift - own.rate());
@@ -99,7 +100,7 @@ struct Home {
 };
 
 Home home_by_now(const RecommendedHoldConfig& config, const HoldInput& input, const HoldAxes& axes,
-                 const OwnMotion& own, const Vector3d& way_m) {
+                 const VelocityModel& own, const Vector3d& way_m) {
   if (!config.predict) return {way_m, Vector3d::Zero(), false};
   LevelMotion drift = learned_drift(axes);
   const std::optional<Vector3d> velocity_m_s =
@@ -118,8 +119,8 @@ double lead_s(double lag_s, double dt_s) {
 }
 
 // The velocity to command: d'' = -2 p d' - p^2 d follows from w' = (u - w) / lag.
-Vector3d state_feedback(const RecommendedHoldConfig& config, const Home& home, const OwnMotion& own,
-                        double dt_s) {
+Vector3d state_feedback(const RecommendedHoldConfig& config, const Home& home,
+                        const VelocityModel& own, double dt_s) {
   const double pole = config.state_feedback_pole_1_s;
   const Vector3d own_now = own.rate().head<3>();
   const Vector3d velocity = own_now - home.drift_m_s;
@@ -141,9 +142,9 @@ OverheadTurn overhead_turn(const HoldConfig& config, const TetherState& here, co
       std::max(recommended.damped_within_m, drift_m_s.head<2>().norm() / (limit_rad_s / 2));
   if (std::abs(tether_levers_m(here)[2]) > within_m) return {within_m, 0};
   const Vector3d kept_m = position_in_station(here) + way_m;
-  return {within_m,
-          turn_to_way_rad_s(here.azimuth_rad, {kept_m.head<2>(), drift_m_s.head<2>()},
-                            {limit_rad_s, recommended.lag_s}, recommended.overhead_horizon_s)};
+  return {within_m, azimuth_to_displacement_rad_s(
+                        here.azimuth_rad, {kept_m.head<2>(), drift_m_s.head<2>()},
+                        {limit_rad_s, recommended.lag_s}, recommended.overhead_horizon_s)};
 }
 
 // The axes after a step, their integrals grown but not towards what the vehicle cannot follow.
@@ -206,7 +207,7 @@ HoldPlan plan_as_in_paper(const HoldConfig& config, const HoldInput& input,
 }
 
 HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input,
-                          const HoldMemory& before, const OwnMotion& own, double dt_s) {
+                          const HoldMemory& before, const VelocityModel& own, double dt_s) {
   const RecommendedHoldConfig& recommended = config.recommended;
   const TetherState& here = input.tether->tether;
   HoldPlan plan{.turn_home_rad = turn_home_rad(*input.estimate, input.station_from_camera),

@@ -5,8 +5,8 @@
 
 #include "stabilization/hold_config.hpp"
 #include "stabilization/hold_decision.hpp"
-#include "stabilization/own_motion.hpp"
 #include "stabilization/pid.hpp"
+#include "stabilization/velocity_model.hpp"
 
 namespace stillkite {
 
@@ -40,7 +40,7 @@ struct HoldPlan {
 /// State feedback or PI on the predicted way home, docs/hold_controller.md. For an input with
 /// `reason_to_hold` none.
 [[nodiscard]] HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input,
-                                        const HoldMemory& before, const OwnMotion& own,
+                                        const HoldMemory& before, const VelocityModel& own,
                                         double dt_s);
 
 /// At rest: the integral stays, what remembers the last error does not.

@@ -11,7 +11,7 @@
 
 namespace stillkite {
 
-/// Cells of the picture, whose errors the jackknife takes as independent.
+/// Cells of the image, whose errors the jackknife takes as independent.
 inline constexpr int kCellColumns = 6;
 inline constexpr int kCellRows = 5;
 inline constexpr int kCells = kCellColumns * kCellRows;

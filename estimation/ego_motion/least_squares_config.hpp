@@ -20,7 +20,7 @@ struct EnumNames<Weighting> {
 };
 
 /// What the covariance rests on: `residuals` takes the windows' errors as independent; `cells`
-/// deletes one cell of the picture at a time (jackknife), true also when neighbours err together.
+/// deletes one cell of the image at a time (jackknife), true also when neighbours err together.
 enum class CovarianceForm { residuals, cells };
 
 template <>

@@ -22,7 +22,7 @@ struct MotionFilterConfig {
 
 /// Kalman filter of a camera that moves at nearly constant velocity, fed with poses whose errors
 /// are white (an alignment to a keyframe), with their full covariance: speed and angular rate are
-/// confused in a picture (correlation near -0.98), so their axes cannot be filtered one by one.
+/// confused in an image (correlation near -0.98), so their axes cannot be filtered one by one.
 /// State: pose, velocity in world, angular rate in camera. Errors in that order, pose errors in
 /// world axes; white acceleration drives it (Bar-Shalom et al. 2001, section 6.2).
 class MotionFilter {

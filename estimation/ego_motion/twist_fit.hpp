@@ -56,7 +56,7 @@ class TwistFitter {
 };
 
 /// Covariance of the fit's twist in the configured form; by residuals where too few cells of the
-/// picture carry information.
+/// image carry information.
 [[nodiscard]] Matrix6d covariance_of(const TwistFit& fit, CovarianceForm form,
                                      const std::optional<TwistPrior>& prior);
 

@@ -189,7 +189,7 @@ Matrix6d FusionFilter::pose_covariance() const {
   return covariance_of(pose_rows(), P_);
 }
 
-RigidTransform FusionFilter::upright_from_world() const {
+RigidTransform FusionFilter::aligned_from_world() const {
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond::FromTwoVectors(up(state_), Eigen::Vector3d::UnitZ());
   return {turn, start_m_ - turn * start_m_};
@@ -205,7 +205,7 @@ Matrix6d FusionFilter::upright_pose_covariance() const {
   PoseRows J = pose_rows();
   J.block<3, 2>(0, Index::kTilt) = skew(world_from_camera_m().translation - start_m_) * lean;
   J.block<3, 2>(3, Index::kTilt) = -lean;
-  const Eigen::Matrix3d U = upright_from_world().rotation.toRotationMatrix();
+  const Eigen::Matrix3d U = aligned_from_world().rotation.toRotationMatrix();
   J.topRows<3>() = (U * J.topRows<3>()).eval();
   J.bottomRows<3>() = (U * J.bottomRows<3>()).eval();
   return covariance_of(J, P_);

@@ -139,7 +139,7 @@ class FusionFilter {
   /// Of (translation in m, rotation vector), world axes, from the first frame.
   [[nodiscard]] Matrix6d pose_covariance() const;
   /// By the least turn about the first frame's place to where the vertical is z; metres.
-  [[nodiscard]] RigidTransform upright_from_world() const;
+  [[nodiscard]] RigidTransform aligned_from_world() const;
   /// The same of the pose in that upright world, in its axes, with the vertical's error.
   [[nodiscard]] Matrix6d upright_pose_covariance() const;
   /// (m/s)^2, world axes.

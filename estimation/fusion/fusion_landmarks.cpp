@@ -93,7 +93,7 @@ int FusionFilter::update_landmarks(std::span<const FeatureView> seen) {
 
 // By those that agree with where the camera should be. Where a third do not, but most do once one
 // thing is doubted, that is wrong: the gyroscope's bias has jumped; or the camera has leapt, for
-// pictures are missing whose time has not passed.
+// images are missing whose time has not passed.
 bool FusionFilter::correct_by(std::vector<LandmarkView>& views) {
   const std::vector<LandmarkView> all = views;
   const auto are_few = [&](const std::vector<LandmarkView>& agreed) {

@@ -112,13 +112,13 @@ void FusionFilter::predict(const InertialStep& step) {
 }
 
 // What velocity gains is wrong with the scale. A reading's noise is no gain: counted as one, where
-// pictures show that there was none, it tells of longer metres (errors in variables). So what is
+// images show that there was none, it tells of longer metres (errors in variables). So what is
 // counted is the mean over so long that the noise in it is no more than what a motion of
 // kMotion_rad_s changes meanwhile.
 Eigen::Vector3d FusionFilter::counted_gain(const Eigen::Vector3d& gain_m_s, double dt_s) {
   constexpr double kMotion_rad_s = 1.5;
   constexpr double kLongest_s = 0.5;
-  constexpr double kFrame_s = 0.03;  // in which no picture tells
+  constexpr double kFrame_s = 0.03;  // in which no image tells
   constexpr double kShortest_s = 1e-3;
   double& mean_square = state_.mean_square_acceleration_m2_s4;
   const double balanced_s =

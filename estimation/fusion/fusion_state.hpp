@@ -51,7 +51,7 @@ struct Landmark {
   Eigen::Vector2d reference = Eigen::Vector2d::Zero();
   double inverse_depth = 0;   ///< 1 / map units
   bool is_guess = false;      ///< its depth, by no view yet
-  bool is_of_start = false;   ///< its depth, by the pictures of the start as a whole
+  bool is_of_start = false;   ///< its depth, by the images of the start as a whole
   bool is_on_ground = false;  ///< taken for it, once
   int refused = 0;            ///< views in a row that the gate refused, or that no point has
   int unseen = 0;             ///< frames in a row that had no view of it

@@ -22,7 +22,7 @@ double inverse_depth_of_near(const std::vector<Landmark>& landmarks) {
 
 }  // namespace
 
-// What a window is off by lasts while the picture around it stays the same, and is another where
+// What a window is off by lasts while the image around it stays the same, and is another where
 // near things have moved before far ones: a first-order Gauss-Markov process of the way, in depths
 // of what is near, about the bearing in the reference. Further away it lasts the longer, for what
 // grows with the way is alike all along.

@@ -39,7 +39,7 @@ struct StartEstimate {
   double step = HUGE_VAL;
 };
 
-/// What the first pictures of a hover tell as a whole: Gauss and Newton's steps on points and poses
+/// What the first images of a hover tell as a whole: Gauss and Newton's steps on points and poses
 /// together, the points eliminated (bundle adjustment: Triggs et al. 2000, section 6.1). The prior
 /// of the poses is what all other sensors tell; what windows are off by in the reference is taken
 /// to last.

@@ -17,10 +17,10 @@ struct StartLandmark {
 };
 using StartLandmarks = std::map<int, StartLandmark>;  // by features
 
-/// Of a hover's first pictures way and depths are known together or not at all, and a filter
-/// linearises each picture about what it knew by then. Once a few are there, the depths and the way
+/// Of a hover's first images way and depths are known together or not at all, and a filter
+/// linearises each image about what it knew by then. Once a few are there, the depths and the way
 /// are found that explain all of them (StartBundle), and all that the filter was told is told to
-/// another one, linearised about these. Where the pictures may as well show a turn as a way, twice
+/// another one, linearised about these. Where the images may as well show a turn as a way, twice
 /// as many are waited for.
 class StartSmoother {
  public:

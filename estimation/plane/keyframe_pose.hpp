@@ -20,7 +20,7 @@ struct LevellingConfig {
   static void fields(auto& self, auto&& field) {
     field("enabled", self.enabled, "correct roll and pitch by the ground's normal");
     field("ground_slope_sigma_rad", self.ground_slope_sigma_rad, kNotNegative,
-          "how far from level the ground under one picture is, as a standard deviation");
+          "how far from level the ground under one image is, as a standard deviation");
     field("flow_sigma_rad", self.flow_sigma_rad, kNotNegative,
           "smooth error of the flow that no window can tell (lens, rolling shutter), as an angle");
   }

@@ -63,7 +63,7 @@ void PlaneAligner::set_reference(Pyramid& pyramid) {
   for (Level& level : levels_) level.textures.forget(level.grid);
 }
 
-void PlaneAligner::set_mask(const std::shared_ptr<const PictureMask>& mask) {
+void PlaneAligner::set_mask(const std::shared_ptr<const ImageMask>& mask) {
   if (mask == mask_) return;
   mask_ = mask;
   for (std::size_t l = 0; mask_ && l < levels_.size(); ++l) {
@@ -80,14 +80,14 @@ void PlaneAligner::set_mask(const std::shared_ptr<const PictureMask>& mask) {
 bool PlaneAligner::is_hidden(const TileGrid& grid, int level, float x_px, float y_px) const {
   constexpr float kMost = 0.1F;
   const float side = std::ldexp(1.0F, level);
-  // the whole picture's pixel i lies about i, from i - 0.5 on
+  // the whole image's pixel i lies about i, from i - 0.5 on
   const auto in_whole = [&](float at) { return (at + 0.5F) * side - 0.5F; };
   return mask_->hidden_ratio(in_whole(x_px), in_whole(y_px),
                              side * static_cast<float>(grid.columns),
                              side * static_cast<float>(grid.rows)) > kMost;
 }
 
-// In either picture.
+// In either image.
 void PlaneAligner::leave_out_hidden(int level) {
   if (!mask_) return;
   const Level& at = levels_[static_cast<std::size_t>(level)];
@@ -208,7 +208,7 @@ double PlaneAligner::update_px(const Level& level, const PlaneMotionStep& step) 
 }
 
 void PlaneAligner::match_brightness(PlaneAlignment& out, bool adapt) const {
-  // of a bare picture sums as large as the keyframe's contrast leave nothing but their rounding
+  // of a bare image sums as large as the keyframe's contrast leave nothing but their rounding
   constexpr double kRounding = 1e-4;
   double contrast = 0, product = 0, residual = 0;
   const std::vector<float>& w = solver_.weights();

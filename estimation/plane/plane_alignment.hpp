@@ -6,7 +6,7 @@
 #include "estimation/ego_motion/plane_motion.hpp"
 #include "estimation/plane/plane_solver.hpp"
 #include "estimation/plane/plane_tiles.hpp"
-#include "flow/picture_mask.hpp"
+#include "flow/image_mask.hpp"
 #include "flow/pyramid.hpp"
 #include "flow/tile_flow.hpp"
 #include "geometry/camera.hpp"
@@ -74,13 +74,13 @@ class PlaneAligner {
   void set_reference(Pyramid& pyramid);
   [[nodiscard]] const Pyramid& reference() const { return reference_; }
 
-  /// What neither picture shows the world in from now on; none: nothing.
-  void set_mask(const std::shared_ptr<const PictureMask>& mask);
+  /// What neither image shows the world in from now on; none: nothing.
+  void set_mask(const std::shared_ptr<const ImageMask>& mask);
 
   [[nodiscard]] PlaneAlignment align(const Pyramid& current, const PlaneMotion& guess,
                                      const TiltPrior& tilt, const RollingShutter& shutter = {});
 
-  /// The windows of the finest level after the last alignment, for pictures and tests.
+  /// The windows of the finest level after the last alignment, for images and tests.
   [[nodiscard]] const TileGrid& grid() const { return levels_.front().grid; }
   [[nodiscard]] const TilePlacement& placement() const { return placement_; }
   [[nodiscard]] const std::vector<float>& weights() const { return solver_.weights(); }
@@ -110,7 +110,7 @@ class PlaneAligner {
   PlaneAlignmentConfig config_;
   Pyramid reference_;
   std::vector<Level> levels_;
-  std::shared_ptr<const PictureMask> mask_;
+  std::shared_ptr<const ImageMask> mask_;
   TileFlow tile_flow_;
   PlaneSolver solver_;
   const TileMeasurements* measurements_ = nullptr;

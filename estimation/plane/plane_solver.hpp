@@ -79,7 +79,7 @@ class PlaneSolver {
   /// Standard deviation of a window's flow after the step, px, in the median window.
   [[nodiscard]] double residual_px(const PlaneObservations& seen);
 
-  /// What of `residual_px` the noise does not explain: the noise is what the pictures differ by
+  /// What of `residual_px` the noise does not explain: the noise is what the images differ by
   /// where each window moves as suits it best (an F-test, of medians). The windows are to have been
   /// measured with their squared residuals.
   [[nodiscard]] double deviation_px(const PlaneObservations& seen);

@@ -12,7 +12,7 @@ constexpr std::size_t kFewestSeen = 20;
 constexpr double kLeastParallax_sigmas = 5;
 
 // A feature's parallax r = s / Z and that of flat ground at h = s, both times the length by which
-// the picture shows them: their noise is then that of a coordinate.
+// the image shows them: their noise is then that of a coordinate.
 struct SeenDepth {
   double shift;
   double flat;

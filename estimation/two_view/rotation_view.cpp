@@ -52,7 +52,7 @@ Eigen::Quaterniond fit_rotation(const BearingColumns& columns, double threshold,
                                 RandomDraws& random) {
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
   if (columns.size() < 2) return Eigen::Quaterniond::Identity();
-  // two noisy pairs turn the far side of the picture by more than the threshold
+  // two noisy pairs turn the far side of the image by more than the threshold
   const double wide = 3 * threshold;
   double best_cost =
       truncated_transfer_cost(columns, best, wide, static_cast<double>(columns.size()));

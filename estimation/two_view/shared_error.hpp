@@ -8,7 +8,7 @@
 
 namespace stillkite {
 
-/// The pairs by the cell of the reference picture that they lie in, of six by four over all.
+/// The pairs by the cell of the reference image that they lie in, of six by four over all.
 [[nodiscard]] std::vector<BearingColumns> columns_by_cell(const BearingColumns& columns);
 
 /// How many times as large the variance of a fit to pairs is as if they erred independently; at

@@ -99,7 +99,7 @@ Choice by_prior(const TwoViews& views, const RelativePoseHints& hints) {
 }
 
 // The vertical, unless level ground and the prior are against it: carried on by the flow it is off
-// by degrees where much of the picture moves otherwise.
+// by degrees where much of the image moves otherwise.
 Choice by_ground(const TwoViews& views, const RelativePoseHints& hints,
                  const RelativePoseConfig& config) {
   const Choice vertical = by_vertical(views, hints, config.vertical_sigma_deg);

@@ -22,8 +22,8 @@ struct CameraConfig {
   std::vector<double> coefficients;
 
   static void fields(auto& self, auto&& field) {
-    field("width_px", self.width_px, Range{16, 100000}, "of the picture");
-    field("height_px", self.height_px, Range{16, 100000}, "of the picture");
+    field("width_px", self.width_px, Range{16, 100000}, "of the image");
+    field("height_px", self.height_px, Range{16, 100000}, "of the image");
     field("focal_x_px", self.focal_x_px, kPositive, "focal length along the rows");
     field("focal_y_px", self.focal_y_px, kPositive, "focal length along the columns");
     field("centre_x_px", self.centre_x_px, "principal point; the first pixel's centre is 0");
@@ -44,7 +44,7 @@ struct CalibrationConfig {
           "EuRoC sensor.yaml, Kalibr camchain or OpenCV YAML; without it the data set's own");
     field("camera", self.camera, "instead of a file");
     field("mask_path", self.mask_path,
-          "a picture, black where no world is seen: the aircraft's legs, text, a lens's dark rim");
+          "an image, black where no world is seen: the aircraft's legs, text, a lens's dark rim");
   }
 };
 
@@ -56,7 +56,7 @@ struct MountConfig {
 
   static void fields(auto& self, auto&& field) {
     field("down_deg", self.down_deg, Range{-90, 90},
-          "optical axis below the body's horizon, picture upright: 0 forward, 90 straight down; "
+          "optical axis below the body's horizon, image upright: 0 forward, 90 straight down; "
           "without it and the next the calibration's, else 90");
     field("rotation_wxyz", self.rotation_wxyz, "any other mount: quaternion body from camera");
     field("position_m", self.position_m, "of the camera in the body; used with one of the two");

@@ -46,7 +46,7 @@ struct RunConfig {
   }
 
   static void fields(auto& self, auto&& field) {
-    field("source", self.source, "the pictures");
+    field("source", self.source, "the images");
     field("calibration", self.calibration, "the lens");
     field("mount", self.mount, "the camera in the body");
     field("truth", self.truth, "what the answer is compared with");

@@ -189,12 +189,12 @@ void check_camera(const Camera& camera, const std::string& origin) {
                fmt::format("focal lengths {}, {} px must be positive (and below 1e6)",
                            camera.focal_x_px, camera.focal_y_px));
   require_that(camera.focal_x_px > kShortest_ratio * w && camera.focal_y_px > kShortest_ratio * h,
-               fmt::format("focal lengths {}, {} px are below a tenth of the picture, {} x {}: are "
+               fmt::format("focal lengths {}, {} px are below a tenth of the image, {} x {}: are "
                            "they in pixels, and of this resolution?",
                            camera.focal_x_px, camera.focal_y_px, w, h));
   require_that(camera.centre_x_px >= 0 && camera.centre_x_px <= w && camera.centre_y_px >= 0 &&
                    camera.centre_y_px <= h,
-               fmt::format("principal point {}, {} px is outside the picture of {} x {}: is it of "
+               fmt::format("principal point {}, {} px is outside the image of {} x {}: is it of "
                            "another resolution?",
                            camera.centre_x_px, camera.centre_y_px, w, h));
   for (const double c : camera.coefficients) {

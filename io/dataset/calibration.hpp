@@ -30,7 +30,7 @@ struct Calibration {
 [[nodiscard]] std::optional<std::string> misfit(DistortionModel model, std::size_t n);
 
 /// Throws InputError beginning with `origin` unless all numbers are finite, the focal lengths and
-/// the resolution positive and the principal point near the picture.
+/// the resolution positive and the principal point near the image.
 void check_camera(const Camera& camera, const std::string& origin);
 
 }  // namespace stillkite

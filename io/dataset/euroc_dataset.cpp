@@ -20,7 +20,7 @@ std::optional<fs::path> if_there(const fs::path& file) {
   return fs::is_regular_file(file) ? std::optional(file) : std::nullopt;
 }
 
-bool is_picture(const fs::path& file) {
+bool is_image(const fs::path& file) {
   constexpr auto kExtensions = std::to_array<std::string_view>(
       {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp"});
   std::string extension = file.extension().string();
@@ -75,8 +75,8 @@ std::optional<NumberedName> numbered(const std::string& name) {
                       std::stoll(name.substr(first, end - first))};
 }
 
-// Which picture of a film each is: where their names differ in a number that counts in equal steps,
-// a step that is left out is a picture that is missing; else one follows the other.
+// Which image of a film each is: where their names differ in a number that counts in equal steps,
+// a step that is left out is an image that is missing; else one follows the other.
 std::vector<std::int64_t> places_in_film(const std::vector<std::string>& names) {
   std::vector<std::int64_t> in_a_row(names.size());
   std::iota(in_a_row.begin(), in_a_row.end(), 0);
@@ -96,10 +96,10 @@ std::vector<std::int64_t> places_in_film(const std::vector<std::string>& names) 
   if (step <= 0) return in_a_row;
   const bool counts =
       std::all_of(steps.begin(), steps.end(), [step](std::int64_t by) { return by % step == 0; });
-  // so few pictures of so long a film are none
-  constexpr std::int64_t kMostPerPicture = 10;
+  // so few images of so long a film are none
+  constexpr std::int64_t kMostPerImage = 10;
   const std::int64_t last_place = (numbers.back() - numbers.front()) / step;
-  if (!counts || last_place > kMostPerPicture * std::ssize(names)) return in_a_row;
+  if (!counts || last_place > kMostPerImage * std::ssize(names)) return in_a_row;
   const std::int64_t first = numbers.front();
   for (std::int64_t& number : numbers) number = (number - first) / step;
   return numbers;
@@ -133,17 +133,17 @@ std::vector<StampedImage> read_image_list(const fs::path& images_csv) {
     const Timestamp stamp = table.stamp();
     const fs::path file = images_csv.parent_path() / "data" / std::string(table.text(1));
     if (!fs::is_regular_file(file)) {
-      table.reject(fmt::format("the picture {} is not there", file.string()));
+      table.reject(fmt::format("the image {} is not there", file.string()));
     }
     images.push_back({stamp, file});
   }
-  if (images.empty()) throw InputError(images_csv.string() + ": lists no picture");
+  if (images.empty()) throw InputError(images_csv.string() + ": lists no image");
   constexpr double kShortest_s = 1e-4;
   const double mean_s = seconds_between(images.front().stamp, images.back().stamp) /
                         static_cast<double>(std::max<std::size_t>(1, images.size() - 1));
   if (mean_s > 0 && mean_s < kShortest_s) {
     throw InputError(fmt::format(
-        "{}: the pictures are {:.3g} ms apart; its stamps are to be nanoseconds, are they "
+        "{}: the images are {:.3g} ms apart; its stamps are to be nanoseconds, are they "
         "microseconds?",
         images_csv.string(), 1e3 * mean_s));
   }
@@ -153,13 +153,13 @@ std::vector<StampedImage> read_image_list(const fs::path& images_csv) {
 std::vector<StampedImage> list_images(const fs::path& folder, double rate_hz) {
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_picture(entry.path())) {
+    if (entry.is_regular_file() && is_image(entry.path())) {
       names.push_back(entry.path().filename().string());
     }
   }
   if (names.empty()) {
     throw InputError(folder.string() +
-                     ": holds no picture (png, jpg, bmp, tif, pgm, ppm, webp) and no EuRoC data "
+                     ": holds no image (png, jpg, bmp, tif, pgm, ppm, webp) and no EuRoC data "
                      "set (mav0/cam0/data.csv)");
   }
   std::sort(names.begin(), names.end(), in_natural_order);

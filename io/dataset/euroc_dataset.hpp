@@ -24,12 +24,12 @@ struct EurocDataset {
 /// The data set at a folder that is its root, its mav0 or its mav0/cam0; nothing at any other.
 [[nodiscard]] std::optional<EurocDataset> find_euroc_dataset(const std::filesystem::path& folder);
 
-/// The pictures that a cam0/data.csv lists, in data/ beside it. Throws InputError with file:line
-/// on stamps out of order and on pictures that are not there.
+/// The images that a cam0/data.csv lists, in data/ beside it. Throws InputError with file:line
+/// on stamps out of order and on images that are not there.
 [[nodiscard]] std::vector<StampedImage> read_image_list(const std::filesystem::path& images_csv);
 
-/// The pictures of a folder in the order of the numbers in their names, one every 1 / rate_hz; a
-/// number that is left out is a picture that is missing. Throws InputError if there are none.
+/// The images of a folder in the order of the numbers in their names, one every 1 / rate_hz; a
+/// number that is left out is an image that is missing. Throws InputError if there are none.
 [[nodiscard]] std::vector<StampedImage> list_images(const std::filesystem::path& folder,
                                                     double rate_hz);
 

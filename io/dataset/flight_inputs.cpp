@@ -50,7 +50,7 @@ Calibration find_calibration(const RunConfig& config, const std::optional<EurocD
   }
   if (found.camera.width_px != size.width || found.camera.height_px != size.height) {
     throw InputError(fmt::format(
-        "{}: is a calibration for pictures of {}x{}, those of {} are {}x{}; give the one of this "
+        "{}: is a calibration for images of {}x{}, those of {} are {}x{}; give the one of this "
         "resolution",
         origin, found.camera.width_px, found.camera.height_px, config.source.path.string(),
         size.width, size.height));
@@ -58,8 +58,7 @@ Calibration find_calibration(const RunConfig& config, const std::optional<EurocD
   return found;
 }
 
-std::shared_ptr<const PictureMask> read_mask(const CalibrationConfig& config,
-                                             const cv::Size& size) {
+std::shared_ptr<const ImageMask> read_mask(const CalibrationConfig& config, const cv::Size& size) {
   if (!config.mask_path) return nullptr;
   const std::string name = config.mask_path->string();
   // of a missing file OpenCV warns in its own words
@@ -67,14 +66,14 @@ std::shared_ptr<const PictureMask> read_mask(const CalibrationConfig& config,
   const cv::Mat grey = is_there ? cv::imread(name, cv::IMREAD_GRAYSCALE) : cv::Mat();
   if (grey.empty()) {
     throw InputError("calibration.mask_path: " + name +
-                     " is missing or no picture; give a PNG, black where no world is seen");
+                     " is missing or no image; give a PNG, black where no world is seen");
   }
   if (grey.size() != size) {
-    throw InputError(fmt::format("calibration.mask_path: {} is {}x{}, the pictures are {}x{}", name,
+    throw InputError(fmt::format("calibration.mask_path: {} is {}x{}, the images are {}x{}", name,
                                  grey.cols, grey.rows, size.width, size.height));
   }
   constexpr std::uint8_t kBlack = 127;
-  auto mask = std::make_shared<const PictureMask>(grey > kBlack);
+  auto mask = std::make_shared<const ImageMask>(grey > kBlack);
   if (mask->hidden_ratio() == 1) {
     throw InputError("calibration.mask_path: " + name +
                      " is black all over; black is what no world is seen in, the rest is white");
@@ -82,7 +81,7 @@ std::shared_ptr<const PictureMask> read_mask(const CalibrationConfig& config,
   return mask;
 }
 
-// The picture's right is the body's right at any tilt.
+// The image's right is the body's right at any tilt.
 Eigen::Quaterniond body_from_camera_looking_down(double down_deg) {
   const double c = std::cos(down_deg * kDegree);
   const double s = std::sin(down_deg * kDegree);
@@ -244,7 +243,7 @@ void check_range(const FlightInputs& inputs, Timestamp first) {
   const double ratio = height_m / start.world_from_body.translation.z();
   if (!(ratio > 0) || (ratio < kMostRatio && ratio > 1 / kMostRatio)) return;
   throw InputError(fmt::format(
-      "height.path: reads {:.4g} at the first picture, the flight starts {:.4g} m high: is one of "
+      "height.path: reads {:.4g} at the first image, the flight starts {:.4g} m high: is one of "
       "them not in metres?",
       *reading, start.world_from_body.translation.z()));
 }

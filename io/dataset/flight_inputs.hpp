@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "flow/frame.hpp"
-#include "flow/picture_mask.hpp"
+#include "flow/image_mask.hpp"
 #include "geometry/camera.hpp"
 #include "io/config/run_config.hpp"
 #include "io/dataset/sensor_log.hpp"
@@ -13,11 +13,11 @@
 
 namespace stillkite {
 
-/// All that a run needs beside the pictures, read from the files that the configuration names.
+/// All that a run needs beside the images, read from the files that the configuration names.
 struct FlightInputs {
   Camera camera;
   RigidTransform body_from_camera;
-  std::shared_ptr<const PictureMask> mask;  ///< none: all of the picture shows the world
+  std::shared_ptr<const ImageMask> mask;  ///< none: all of the image shows the world
   InitialState initial;
   SensorLog sensors;
   std::vector<StampedPose> truth;              ///< empty: there is none

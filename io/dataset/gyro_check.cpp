@@ -42,7 +42,7 @@ class GyroSum {
   std::vector<Vector3d> sums_rad_;
 };
 
-// Sums over pictures of their turns p and the gyroscope's g.
+// Sums over images of their turns p and the gyroscope's g.
 struct Turns {
   Matrix3d pg = Matrix3d::Zero();
   double pp = 0;
@@ -57,7 +57,7 @@ struct Turns {
 };
 
 Turns turns_of(const GyroSum& gyro, std::span<const SeenTurn> seen, double clock_s) {
-  constexpr double kFastest_rad_s = 5;  // beyond it the pictures have erred
+  constexpr double kFastest_rad_s = 5;  // beyond it the images have erred
   const std::int64_t ahead_ns = std::llround(1e9 * clock_s);
   Turns out;
   for (const SeenTurn& turn : seen) {
@@ -101,7 +101,7 @@ Explanation by_clock(const GyroSum& gyro, std::span<const SeenTurn> seen, int fe
     const double share = turns.explained_by(Matrix3d::Identity());
     if (share > best.share) {
       best = {share, fmt::format("with its clock {:.2f} s {}", std::abs(clock_s),
-                                 clock_s > 0 ? "ahead of the pictures'" : "behind the pictures'")};
+                                 clock_s > 0 ? "ahead of the images'" : "behind the images'")};
     }
   }
   return best;
@@ -122,7 +122,7 @@ std::optional<std::string> doubt_of_gyro(const TimeSeries<Vector3d>& gyro,
   const double share = as_told.explained_by(Matrix3d::Identity());
   if (rate_rad_s < kLeast_rad_s || share > kAgrees) return std::nullopt;
   if (as_told.gg < kNothing * as_told.pp) {
-    return fmt::format("the pictures turn by {:.1f} deg/s, of which the gyroscope tells nothing",
+    return fmt::format("the images turn by {:.1f} deg/s, of which the gyroscope tells nothing",
                        rate_rad_s / kDegree);
   }
   const Matrix3d axes = nearest_axes(as_told);
@@ -134,7 +134,7 @@ std::optional<std::string> doubt_of_gyro(const TimeSeries<Vector3d>& gyro,
       {degrees, turned, late}, [](const auto& a, const auto& b) { return a.share < b.share; });
   if (best.share < kExplains) return std::nullopt;
   return fmt::format(
-      "the gyroscope does not turn as the pictures do; {} it would explain {:.0f} % of their turns",
+      "the gyroscope does not turn as the images do; {} it would explain {:.0f} % of their turns",
       best.how, 100 * best.share);
 }
 

@@ -24,7 +24,7 @@ std::optional<std::string> uncovered(const TimeSeries<Value>& series, const char
   const double covered_s = std::max(0.0, seconds_between(from, to));
   if (from <= to && covered_s >= (1 - kMost) * flight_s) return std::nullopt;
   const std::string spans =
-      fmt::format("from {:.3f} s to {:.3f} s, the pictures are from {:.3f} s to {:.3f} s",
+      fmt::format("from {:.3f} s to {:.3f} s, the images are from {:.3f} s to {:.3f} s",
                   to_seconds(series.stamps.front()), to_seconds(series.stamps.back()),
                   to_seconds(first), to_seconds(last));
   if (from > to) {

@@ -21,7 +21,7 @@ using nlohmann::json;
 // What twelve trials of 1300 samples may take; more trials share it, so that a page stays small.
 constexpr std::size_t kAllChartSamples = 12UL * 1400;
 constexpr std::size_t kAllReplaySamples = 12UL * 600;
-constexpr std::size_t kAllPictureBytes = 1'500'000;
+constexpr std::size_t kAllImageBytes = 1'500'000;
 
 constexpr std::array<const char*, 3> kPaperAxes{"x", "y", "z"};
 
@@ -93,21 +93,21 @@ json replay(const HoverReportTrial& trial, const DecisionIndex& decisions, std::
   return result;
 }
 
-/// One of how many pictures there is room for.
-std::size_t picture_step(std::span<const HoverReportTrial> trials) {
+/// One of how many images there is room for.
+std::size_t image_step(std::span<const HoverReportTrial> trials) {
   std::size_t bytes = 0;
   for (const HoverReportTrial& trial : trials) {
-    for (const HoverPicture& picture : trial.pictures) bytes += picture.jpeg.size();
+    for (const HoverImage& image : trial.images) bytes += image.jpeg.size();
   }
-  return 1 + bytes / kAllPictureBytes;
+  return 1 + bytes / kAllImageBytes;
 }
 
-/// Every step-th picture of all the trials' as far as it is this trial's.
-json pictures(const HoverReportTrial& trial, std::size_t pictures_before, std::size_t step) {
+/// Every step-th image of all the trials' as far as it is this trial's.
+json images(const HoverReportTrial& trial, std::size_t images_before, std::size_t step) {
   json result = json::array();
-  for (std::size_t i = 0; i < trial.pictures.size(); ++i) {
-    if ((pictures_before + i) % step != 0) continue;
-    result.push_back({trial.pictures[i].t_s, base64(trial.pictures[i].jpeg)});
+  for (std::size_t i = 0; i < trial.images.size(); ++i) {
+    if ((images_before + i) % step != 0) continue;
+    result.push_back({trial.images[i].t_s, base64(trial.images[i].jpeg)});
   }
   return result;
 }
@@ -153,13 +153,13 @@ json decision_counts(std::span<const HoverReportTrial> trials, const DecisionInd
 
 json hover_data(const HoverReportContent& content, const json& summary) {
   const DecisionIndex decisions = index_decisions(content.trials);
-  const std::size_t step = picture_step(content.trials);
-  std::size_t pictures_before = 0;
+  const std::size_t step = image_step(content.trials);
+  std::size_t images_before = 0;
   json trials = json::array();
   for (const HoverReportTrial& trial : content.trials) {
     json data = trial_data(trial, decisions, content.trials.size());
-    data["pictures"] = pictures(trial, pictures_before, step);
-    pictures_before += trial.pictures.size();
+    data["images"] = images(trial, images_before, step);
+    images_before += trial.images.size();
     trials.push_back(std::move(data));
   }
   json sets = json::object();

@@ -23,7 +23,7 @@ struct HoverReportSample {
   std::string_view reason;  ///< token of HoldReason
 };
 
-struct HoverPicture {
+struct HoverImage {
   double t_s = 0;
   std::vector<std::uint8_t> jpeg;
 };
@@ -34,7 +34,7 @@ struct HoverReportTrial {
   std::string policy;
   std::uint64_t seed = 0;
   std::vector<HoverReportSample> samples;
-  std::vector<HoverPicture> pictures;  ///< of the drone's camera, small; may be empty
+  std::vector<HoverImage> images;  ///< of the drone's camera, small; may be empty
 };
 
 /// What a report tells of a set of trials. The views are read before the call returns.
@@ -45,9 +45,9 @@ struct HoverReportContent {
 };
 
 /// One self-contained HTML page: Table I beside the hold paper's, its figures 3, 4 and 5, a replay
-/// with the camera's pictures, the decisions and the configuration. `summary` is summary.json
+/// with the camera's images, the decisions and the configuration. `summary` is summary.json
 /// (its `table`, `trials` and `timing`). Any text may hold anything; values that are not finite
-/// become gaps. Stays below 3 MB: long trials are thinned for drawing, many pictures too.
+/// become gaps. Stays below 3 MB: long trials are thinned for drawing, many images too.
 /// Throws std::out_of_range for another `moved_axis`.
 [[nodiscard]] std::string hover_report_html(const HoverReportContent& content,
                                             const nlohmann::json& summary);

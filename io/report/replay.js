@@ -13,12 +13,12 @@ function indexAt(trial, t) {
   return low;
 }
 
-function drawPicture() {
+function drawImage() {
   const {trial, t_s: t} = player;
-  const shownPicture = trial.pictures.filter(([at]) => at <= t).pop() || trial.pictures[0];
-  if (shownPicture && byId('picture').at !== shownPicture) {
-    byId('picture').at = shownPicture;
-    byId('picture').src = `data:image/jpeg;base64,${shownPicture[1]}`;
+  const shownImage = trial.images.filter(([at]) => at <= t).pop() || trial.images[0];
+  if (shownImage && byId('image').at !== shownImage) {
+    byId('image').at = shownImage;
+    byId('image').src = `data:image/jpeg;base64,${shownImage[1]}`;
   }
 }
 
@@ -55,7 +55,7 @@ function drawReplay() {
   const index = indexAt(trial, player.t_s);
   drawReplayView(byId('top_view'), trial, kTopView, index);
   drawReplayView(byId('side_view'), trial, sideView(trial), index);
-  drawPicture();
+  drawImage();
   drawReadings(index);
   byId('scrub').value = player.t_s;
 }
@@ -64,8 +64,8 @@ function choose(trial) {
   Object.assign(player, {trial, t_s: 0});
   byId('scrub').max = durationOf(trial);
   byId('side_name').textContent = `From the side, ${sets[trial.axis].across} to the right`;
-  byId('camera').hidden = !trial.pictures.length;
-  document.querySelector('.views').classList.toggle('with-camera', trial.pictures.length > 0);
+  byId('camera').hidden = !trial.images.length;
+  document.querySelector('.views').classList.toggle('with-camera', trial.images.length > 0);
   drawReplayKeys(trial);
   drawReplayStrip();
   drawReplay();
@@ -90,7 +90,7 @@ function advance(now_ms) {
 function trialName(trial, i) {
   const mean = centimetres(rowOf(trial).mean_m);
   return [`${i + 1}: along ${trial.axis}`, trial.state, mean === undefined ? '' : `mean ${tenths(mean)} cm`,
-          trial.pictures.length ? 'camera' : '']
+          trial.images.length ? 'camera' : '']
     .filter(Boolean).join(', ');
 }
 
@@ -101,7 +101,7 @@ function addReplay() {
   byId('replay_trial').append(...watched.map(([trial, i]) => element('option', {value: String(i), textContent: trialName(trial, i)})));
   byId('replay_speed').append(...[0.5, 1, 2, 4, 8].map(speed => element('option',
     {value: String(speed), textContent: `${speed} ×`, selected: speed === player.speed})));
-  const [first, place] = watched.find(([trial]) => trial.pictures.length) || watched[0];
+  const [first, place] = watched.find(([trial]) => trial.images.length) || watched[0];
   byId('replay_trial').value = String(place);
   choose(first);
   byId('replay_trial').addEventListener('change', event => choose(trials[Number(event.target.value)]));

@@ -20,7 +20,7 @@ struct RunFacts {
   std::optional<CommandCounts> commands;  ///< where a controller ran
 };
 
-/// summary.json: every number is finite or null. A frame is used if its picture moved the estimate
+/// summary.json: every number is finite or null. A frame is used if its image moved the estimate
 /// (verdict ok, or first_frame); all others that were read are rejected. `evaluation` may be null.
 [[nodiscard]] nlohmann::json run_summary(std::span<const NavigationEstimate> estimates,
                                          const RunFacts& facts, nlohmann::json evaluation);

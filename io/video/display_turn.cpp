@@ -18,13 +18,13 @@ std::optional<cv::RotateFlags> display_turn(std::span<const std::int32_t, 9> mat
   if (straight + across == 0) return std::nullopt;
   if (std::min(straight, across) > kRounding * std::max(straight, across)) {
     throw InputError(fmt::format(
-        "{}: its pictures are marked to be shown turned by {:.1f} deg; only quarter turns can be "
+        "{}: its images are marked to be shown turned by {:.1f} deg; only quarter turns can be "
         "made, take the mark out of the file",
         name, std::atan2(b, a) / kDegree));
   }
   if (a * d - b * c < 0) {
     throw InputError(name +
-                     ": its pictures are marked to be shown mirrored, and what moves in a mirror "
+                     ": its images are marked to be shown mirrored, and what moves in a mirror "
                      "moves the other way; take the mark out of the file");
   }
   if (straight > across) return a > 0 ? std::nullopt : std::optional(cv::ROTATE_180);

@@ -13,8 +13,8 @@
 #include "io/dataset/euroc_dataset.hpp"
 #include "io/text_file.hpp"
 #include "io/video/bounded_queue.hpp"
+#include "io/video/image_pool.hpp"
 #include "io/video/image_sequence.hpp"
-#include "io/video/picture_pool.hpp"
 #include "io/video/video_reader.hpp"
 
 namespace stillkite {
@@ -41,7 +41,7 @@ Reader open_reader(const SourceConfig& config) {
   if (path.empty()) {
     throw InputError(
         "source.path is not given; set it to a video, a EuRoC data set or a folder of "
-        "pictures");
+        "images");
   }
   if (config.end_s && *config.end_s <= config.start_s) {
     throw InputError(fmt::format("source.end_s {} must be greater than source.start_s {}",
@@ -67,7 +67,7 @@ Reader open_reader(const SourceConfig& config) {
   std::vector<StampedImage> images = list_images(path, has_rate ? *config.rate_hz : 1.0);
   if (!has_rate) {
     throw InputError(path.string() +
-                     ": pictures without stamps; give their frames per second as "
+                     ": images without stamps; give their frames per second as "
                      "source.rate_hz");
   }
   return ImageSequence(images_between(std::move(images), config), config.bits);
@@ -117,7 +117,7 @@ struct FrameSource::State {
 
 void FrameSource::State::decode_all() {
   const bool is_video = std::holds_alternative<VideoReader>(reader);
-  PicturePool pool;
+  ImagePool pool;
   try {
     while (true) {
       const auto start = std::chrono::steady_clock::now();
@@ -166,8 +166,8 @@ FrameSource::FrameSource(const SourceConfig& config) : state_(std::make_unique<S
   if (!s.first) {
     const bool is_cut = config.start_s > 0 || config.end_s.has_value();
     throw InputError(config.path.string() +
-                     (s.read == 0 && is_cut ? ": no picture between source.start_s and source.end_s"
-                                            : ": not one picture can be decoded; the file is "
+                     (s.read == 0 && is_cut ? ": no image between source.start_s and source.end_s"
+                                            : ": not one image can be decoded; the file is "
                                               "damaged"));
   }
 }
@@ -217,15 +217,15 @@ std::optional<std::string> FrameSource::complaint() const {
   }
   const std::string path = s.config.path.string();
   if (s.undecodable > 0) {
-    add(fmt::format("{}: {} of {} pictures cannot be decoded and are left out{}", path,
-                    s.undecodable, s.read,
+    add(fmt::format("{}: {} of {} images cannot be decoded and are left out{}", path, s.undecodable,
+                    s.read,
                     video == nullptr ? ""
                                      : " (those predicted from them are damaged, too, and what is "
                                        "estimated there is worse than it claims)"));
   }
   if (s.out_of_turn > 0) {
-    add(fmt::format("{}: {} of {} pictures are not later than the one before and are left out",
-                    path, s.out_of_turn, s.read));
+    add(fmt::format("{}: {} of {} images are not later than the one before and are left out", path,
+                    s.out_of_turn, s.read));
   }
   return found.empty() ? std::nullopt : std::optional(found);
 }

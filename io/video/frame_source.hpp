@@ -14,7 +14,7 @@ namespace stillkite {
 /// grow with the number of frames as long as the user lets go of them.
 class FrameSource {
  public:
-  /// Throws InputError if there is nothing to read, or not one picture that can be decoded.
+  /// Throws InputError if there is nothing to read, or not one image that can be decoded.
   explicit FrameSource(const SourceConfig& config);
   ~FrameSource();
   FrameSource(FrameSource&&) noexcept;
@@ -25,10 +25,10 @@ class FrameSource {
 
   /// Frames in the order of their stamps. What cannot be decoded, and what does not come later than
   /// the frame before, is skipped and counted. Nothing at the end. Throws InputError where the
-  /// source breaks its promises half way, such as another picture size.
+  /// source breaks its promises half way, such as another image size.
   [[nodiscard]] std::optional<Frame> next();
 
-  /// Pictures so far: handed out and skipped.
+  /// Images so far: handed out and skipped.
   [[nodiscard]] std::int64_t read() const;
   [[nodiscard]] std::int64_t rejected() const;
 
@@ -38,11 +38,11 @@ class FrameSource {
   /// How many there should be in all, for progress.
   [[nodiscard]] std::optional<std::int64_t> expected() const;
 
-  /// The pictures' rows are not the sensor's, see VideoReader::is_turned.
+  /// The images' rows are not the sensor's, see VideoReader::is_turned.
   [[nodiscard]] bool is_turned() const;
 
   /// What was wrong with the source so far, if anything: pixels that are told not to be square,
-  /// pictures that were skipped and, after the end, a truncated file.
+  /// images that were skipped and, after the end, a truncated file.
   [[nodiscard]] std::optional<std::string> complaint() const;
 
  private:

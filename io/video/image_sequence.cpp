@@ -55,15 +55,15 @@ ReadResult ImageSequence::read(cv::Mat recycled) {
       grey = cv::imdecode(bytes_, kGrey, deep_.empty() ? &recycled : &deep_);
     }
   } catch (const cv::Exception&) {
-    // a header that promises an absurd size; no other picture is lost by it
+    // a header that promises an absurd size; no other image is lost by it
     grey.release();
   }
   if (grey.depth() != CV_8U && grey.depth() != CV_16U) grey.release();
   if (grey.empty()) return {.status = ReadResult::Status::undecodable};
   if (size_.area() > 0 && grey.size() != size_) {
-    throw InputError(fmt::format(
-        "{}: is {}x{}, the pictures before are {}x{}; one calibration cannot serve both",
-        image.file.string(), grey.cols, grey.rows, size_.width, size_.height));
+    throw InputError(
+        fmt::format("{}: is {}x{}, the images before are {}x{}; one calibration cannot serve both",
+                    image.file.string(), grey.cols, grey.rows, size_.width, size_.height));
   }
   size_ = grey.size();
   if (grey.depth() == CV_16U) {
@@ -71,8 +71,8 @@ ReadResult ImageSequence::read(cv::Mat recycled) {
     deep_ = grey;
     grey = to_8_bits(image, is_first ? cv::Mat() : recycled);
   } else if (bits_ && deep_.empty()) {
-    throw InputError(fmt::format("{}: of 8 bits a pixel; source.bits is for pictures of 16",
-                                 image.file.string()));
+    throw InputError(
+        fmt::format("{}: of 8 bits a pixel; source.bits is for images of 16", image.file.string()));
   } else {
     deep_.release();  // it may be the one that is given away
   }

@@ -8,14 +8,14 @@
 
 namespace stillkite {
 
-/// Reads pictures from files, as grey of 8 bits. A file's rotation mark is ignored.
+/// Reads images from files, as grey of 8 bits. A file's rotation mark is ignored.
 class ImageSequence {
  public:
-  /// Of pictures of 16 bits a pixel the lowest `bits` are used; without a word of it all of them.
+  /// Of images of 16 bits a pixel the lowest `bits` are used; without a word of it all of them.
   ImageSequence(std::vector<StampedImage> images, std::optional<int> bits)
       : images_(std::move(images)), bits_(bits) {}
 
-  /// The next picture, in `recycled` if that has its size. Throws InputError if the pictures change
+  /// The next image, in `recycled` if that has its size. Throws InputError if the images change
   /// their size, or seem to use fewer bits than they are told to.
   [[nodiscard]] ReadResult read(cv::Mat recycled);
 
@@ -28,7 +28,7 @@ class ImageSequence {
   std::optional<int> bits_;  // that are used, of 16
   std::size_t at_ = 0;
   cv::Size size_;
-  cv::Mat deep_;                      // a picture of 16 bits
+  cv::Mat deep_;                      // an image of 16 bits
   std::vector<unsigned char> bytes_;  // of one file
 };
 

@@ -8,7 +8,7 @@ struct SwsContext;
 
 namespace stillkite {
 
-/// Takes the grey picture out of a decoded one.
+/// Takes the grey image out of a decoded one.
 class LumaExtractor {
  public:
   LumaExtractor();

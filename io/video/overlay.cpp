@@ -42,7 +42,7 @@ const cv::Scalar& colour_of(Verdict verdict) {
   }
 }
 
-/// From the camera's pixels to those of the enlarged picture.
+/// From the camera's pixels to those of the enlarged image.
 cv::Point2d enlarged(const Eigen::Vector2d& pixel, int zoom) {
   return {(pixel.x() + 0.5) * zoom - 0.5, (pixel.y() + 0.5) * zoom - 0.5};
 }
@@ -114,7 +114,7 @@ void draw_horizon(OverlayCanvas& canvas, const Camera& camera,
   }
 }
 
-/// The component that the picture shows, from its centre, and the point that it leads to.
+/// The component that the image shows, from its centre, and the point that it leads to.
 void draw_velocity(OverlayCanvas& canvas, const Camera& camera, int zoom,
                    const Eigen::Vector3d& velocity_in_camera_m_s, double full_scale_m_s) {
   const cv::Point2d centre(0.5 * canvas.size().width, 0.5 * canvas.size().height);
@@ -193,7 +193,7 @@ void Overlay::paint_background(const cv::Mat& grey) {
   cv::resize(grey, large, {}, zoom_, zoom_, cv::INTER_LINEAR);
   // A little darker, so that the drawing stands out on bright ground too.
   large.convertTo(large, -1, 0.82);
-  cv::cvtColor(large(cv::Rect({0, 0}, size_)), picture_, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(large(cv::Rect({0, 0}, size_)), image_, cv::COLOR_GRAY2BGR);
 }
 
 const cv::Mat& Overlay::draw(const cv::Mat& grey, const NavigationEstimate& estimate,
@@ -202,7 +202,7 @@ const cv::Mat& Overlay::draw(const cv::Mat& grey, const NavigationEstimate& esti
       estimate.world_from_body.rotation * body_from_camera_.rotation;
   const Eigen::Vector3d& velocity = estimate.twist_in_camera.velocity_m_s;
   paint_background(grey);
-  OverlayCanvas canvas(picture_);
+  OverlayCanvas canvas(image_);
 
   // 1. What was seen.
   const double flow_px = mean_flow_px(windows);
@@ -217,7 +217,7 @@ const cv::Mat& Overlay::draw(const cv::Mat& grey, const NavigationEstimate& esti
   }
   write_figures(canvas, estimate);
   write_footer(canvas, estimate, flow_px, gain);
-  return picture_;
+  return image_;
 }
 
 }  // namespace stillkite

@@ -11,17 +11,17 @@
 namespace stillkite {
 
 /// What was seen and concluded, drawn over the frames of one video: flow of the windows (thin
-/// arrows; outliers red), the velocity as the picture shows it (thick arrow, and a winged ring
+/// arrows; outliers red), the velocity as the image shows it (thick arrow, and a winged ring
 /// where the camera flies to), horizon, nadir, verdict and figures. One object a video: its buffer
 /// is kept, and the velocity arrow's scale follows the fastest frame so far.
 class Overlay {
  public:
   Overlay(const Camera& camera, const RigidTransform& body_from_camera);
 
-  /// Of the drawn pictures: even, small frames are enlarged by a whole factor.
+  /// Of the drawn images: even, small frames are enlarged by a whole factor.
   [[nodiscard]] cv::Size size() const { return size_; }
 
-  /// `grey`: the frame of the estimate, CV_8UC1. The picture, CV_8UC3, is valid until the next
+  /// `grey`: the frame of the estimate, CV_8UC1. The image, CV_8UC3, is valid until the next
   /// call.
   [[nodiscard]] const cv::Mat& draw(const cv::Mat& grey, const NavigationEstimate& estimate,
                                     std::span<const WindowFlow> windows);
@@ -33,7 +33,7 @@ class Overlay {
   RigidTransform body_from_camera_;
   int zoom_;
   cv::Size size_;
-  cv::Mat picture_;
+  cv::Mat image_;
   double fastest_m_s_ = 0;
 };
 

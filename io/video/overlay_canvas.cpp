@@ -19,9 +19,9 @@ const cv::Scalar kRim(20, 20, 20);
 
 }  // namespace
 
-OverlayCanvas::OverlayCanvas(cv::Mat picture)
-    : picture_(std::move(picture)), unit_(std::max(picture_.rows / 720.0, picture_.cols / 1800.0)) {
-  CV_Assert(picture_.type() == CV_8UC3);
+OverlayCanvas::OverlayCanvas(cv::Mat image)
+    : image_(std::move(image)), unit_(std::max(image_.rows / 720.0, image_.cols / 1800.0)) {
+  CV_Assert(image_.type() == CV_8UC3);
 }
 
 int OverlayCanvas::pixels(double units) const {
@@ -29,8 +29,8 @@ int OverlayCanvas::pixels(double units) const {
 }
 
 void OverlayCanvas::panel(const cv::Rect2d& area) {
-  const cv::Rect whole(0, 0, picture_.cols, picture_.rows);
-  cv::Mat part = picture_(cv::Rect(area) & whole);
+  const cv::Rect whole(0, 0, image_.cols, image_.rows);
+  cv::Mat part = image_(cv::Rect(area) & whole);
   part.convertTo(part, -1, 0.35);
 }
 
@@ -38,7 +38,7 @@ void OverlayCanvas::text(const std::string& words, const cv::Point2d& at, double
                          const cv::Scalar& colour, bool bold) {
   const double scale = height * unit_ / kCapitalAtScaleOne;
   const int thickness = std::max(1, cvRound(scale * (bold ? 2.0 : 1.2)));
-  cv::putText(picture_, words, cv::Point(at), kFont, scale, colour, thickness, cv::LINE_AA);
+  cv::putText(image_, words, cv::Point(at), kFont, scale, colour, thickness, cv::LINE_AA);
 }
 
 void OverlayCanvas::pill(const std::string& words, const cv::Point2d& top_left, double height,
@@ -51,15 +51,15 @@ void OverlayCanvas::pill(const std::string& words, const cv::Point2d& top_left, 
   const cv::Point2d left = top_left + cv::Point2d(radius, radius);
   const cv::Point2d right = left + cv::Point2d(words_px, 0);
   for (const cv::Point2d& end : {left, right}) {
-    cv::circle(picture_, fixed(end), cvRound(radius * (1 << kShift)), colour, cv::FILLED,
-               cv::LINE_AA, kShift);
+    cv::circle(image_, fixed(end), cvRound(radius * (1 << kShift)), colour, cv::FILLED, cv::LINE_AA,
+               kShift);
   }
-  cv::rectangle(picture_,
+  cv::rectangle(image_,
                 cv::Rect(cv::Point(left - cv::Point2d(0, radius)),
                          cv::Point(right + cv::Point2d(0, radius + 1))),
                 colour, cv::FILLED);
-  cv::putText(picture_, words, cv::Point(left + cv::Point2d(0, 0.5 * capital * unit_)), kFont,
-              scale, {255, 255, 255}, thickness, cv::LINE_AA);
+  cv::putText(image_, words, cv::Point(left + cv::Point2d(0, 0.5 * capital * unit_)), kFont, scale,
+              {255, 255, 255}, thickness, cv::LINE_AA);
 }
 
 void OverlayCanvas::arrow(const cv::Point2d& from, const cv::Point2d& to, double width,
@@ -73,29 +73,29 @@ void OverlayCanvas::arrow(const cv::Point2d& from, const cv::Point2d& to, double
   const cv::Point2d neck = to - head * along;
   for (const auto& [extra, paint] : {std::pair{1.6, kRim}, std::pair{0.0, colour}}) {
     const double rim = extra * unit_;
-    cv::line(picture_, fixed(from), fixed(neck), paint, pixels(width + 2 * extra), cv::LINE_AA,
+    cv::line(image_, fixed(from), fixed(neck), paint, pixels(width + 2 * extra), cv::LINE_AA,
              kShift);
     const std::array<cv::Point, 3> tip{fixed(to + rim * 1.6 * along),
                                        fixed(neck + (0.55 * head + rim) * across - rim * along),
                                        fixed(neck - (0.55 * head + rim) * across - rim * along)};
-    cv::fillConvexPoly(picture_, tip.data(), 3, paint, cv::LINE_AA, kShift);
+    cv::fillConvexPoly(image_, tip.data(), 3, paint, cv::LINE_AA, kShift);
   }
 }
 
 void OverlayCanvas::dot(const cv::Point2d& centre, double radius, const cv::Scalar& colour) {
-  cv::circle(picture_, fixed(centre), cvRound(radius * unit_ * (1 << kShift)), colour, cv::FILLED,
+  cv::circle(image_, fixed(centre), cvRound(radius * unit_ * (1 << kShift)), colour, cv::FILLED,
              cv::LINE_AA, kShift);
 }
 
 void OverlayCanvas::ring(const cv::Point2d& centre, double radius, double width,
                          const cv::Scalar& colour) {
-  cv::circle(picture_, fixed(centre), cvRound(radius * unit_ * (1 << kShift)), colour,
-             pixels(width), cv::LINE_AA, kShift);
+  cv::circle(image_, fixed(centre), cvRound(radius * unit_ * (1 << kShift)), colour, pixels(width),
+             cv::LINE_AA, kShift);
 }
 
 void OverlayCanvas::line(const cv::Point2d& from, const cv::Point2d& to, double width,
                          const cv::Scalar& colour) {
-  cv::line(picture_, fixed(from), fixed(to), colour, pixels(width), cv::LINE_AA, kShift);
+  cv::line(image_, fixed(from), fixed(to), colour, pixels(width), cv::LINE_AA, kShift);
 }
 
 }  // namespace stillkite

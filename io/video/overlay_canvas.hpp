@@ -5,15 +5,15 @@
 
 namespace stillkite {
 
-/// Drawing of a video's overlay: sizes are in units of `unit`, which grows with the picture, so
+/// Drawing of a video's overlay: sizes are in units of `unit`, which grows with the image, so
 /// that it looks the same at any resolution (1 px at 1280x720). Colours are BGR.
 class OverlayCanvas {
  public:
-  /// Draws on `picture`, CV_8UC3, whose pixels it shares.
-  explicit OverlayCanvas(cv::Mat picture);
+  /// Draws on `image`, CV_8UC3, whose pixels it shares.
+  explicit OverlayCanvas(cv::Mat image);
 
   [[nodiscard]] double unit() const { return unit_; }
-  [[nodiscard]] cv::Size size() const { return picture_.size(); }
+  [[nodiscard]] cv::Size size() const { return image_.size(); }
 
   /// Darkens a rectangle so that text on it can be read.
   void panel(const cv::Rect2d& area);
@@ -33,7 +33,7 @@ class OverlayCanvas {
  private:
   [[nodiscard]] int pixels(double units) const;
 
-  cv::Mat picture_;
+  cv::Mat image_;
   double unit_;
 };
 

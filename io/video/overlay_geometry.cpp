@@ -5,8 +5,8 @@
 namespace stillkite {
 namespace {
 
-/// Pixel of a point of the plane z = 1, if it is in the picture and the lens model holds there:
-/// far outside a distortion polynomial folds points back into the picture.
+/// Pixel of a point of the plane z = 1, if it is in the image and the lens model holds there:
+/// far outside a distortion polynomial folds points back into the image.
 std::optional<Eigen::Vector2d> visible(const Camera& camera, const Eigen::Vector2d& point) {
   const Eigen::Vector2d pixel = distort(camera, point).pixel;
   const bool inside = pixel.x() >= -0.5 && pixel.x() <= camera.width_px - 0.5 &&

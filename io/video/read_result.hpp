@@ -4,11 +4,11 @@
 
 namespace stillkite {
 
-/// What a reader of pictures hands out next.
+/// What a reader of images hands out next.
 struct ReadResult {
   enum class Status {
     frame,
-    undecodable,  ///< there is a picture here, but not one that can be looked at
+    undecodable,  ///< there is an image here, but not one that can be looked at
     end,
   };
   Status status = Status::end;

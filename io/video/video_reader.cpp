@@ -80,19 +80,19 @@ struct VideoReader::State {
   AVStream* stream = nullptr;
   Owned<AVCodecContext> decoder;
   Owned<AVPacket> packet{av_packet_alloc()};
-  Owned<AVFrame> picture{av_frame_alloc()};
+  Owned<AVFrame> image{av_frame_alloc()};
   LumaExtractor luma;
   std::optional<cv::RotateFlags> turn;
   cv::Mat coded;  // before it is turned
   cv::Size size;
-  std::int64_t pictures = 0;
+  std::int64_t images = 0;
   Timestamp last;
   bool sent_all = false;
 
-  Timestamp stamp_of_picture();
+  Timestamp stamp_of_image();
   bool send_packet();
-  [[nodiscard]] cv::Size size_of_picture() const;
-  cv::Mat grey_of_picture(cv::Mat recycled);
+  [[nodiscard]] cv::Size size_of_image() const;
+  cv::Mat grey_of_image(cv::Mat recycled);
 };
 
 VideoReader::VideoReader(const std::filesystem::path& file, double start_s,
@@ -116,7 +116,7 @@ VideoReader::VideoReader(const std::filesystem::path& file, double start_s,
   for (unsigned i = 0; i < s.container->nb_streams; ++i) {
     if (static_cast<int>(i) != index) s.container->streams[i]->discard = AVDISCARD_ALL;
   }
-  if (start_s > 0 && !rate_hz) {  // counted stamps need every picture from the first on
+  if (start_s > 0 && !rate_hz) {  // counted stamps need every image from the first on
     const std::int64_t first = s.stream->start_time == AV_NOPTS_VALUE ? 0 : s.stream->start_time;
     const std::int64_t target = first + av_rescale_q(s.start.ns, kNanoseconds, s.stream->time_base);
     av_seek_frame(s.container.get(), index, target, AVSEEK_FLAG_BACKWARD);
@@ -127,19 +127,19 @@ VideoReader::~VideoReader() = default;
 VideoReader::VideoReader(VideoReader&&) noexcept = default;
 VideoReader& VideoReader::operator=(VideoReader&&) noexcept = default;
 
-// The decoder's stamp, else one picture after the last.
-Timestamp VideoReader::State::stamp_of_picture() {
-  if (rate_hz) return from_seconds(static_cast<double>(pictures) / *rate_hz);
-  if (picture->best_effort_timestamp != AV_NOPTS_VALUE) {
+// The decoder's stamp, else one image after the last.
+Timestamp VideoReader::State::stamp_of_image() {
+  if (rate_hz) return from_seconds(static_cast<double>(images) / *rate_hz);
+  if (image->best_effort_timestamp != AV_NOPTS_VALUE) {
     const std::int64_t first = stream->start_time == AV_NOPTS_VALUE ? 0 : stream->start_time;
-    return {av_rescale_q(picture->best_effort_timestamp - first, stream->time_base, kNanoseconds)};
+    return {av_rescale_q(image->best_effort_timestamp - first, stream->time_base, kNanoseconds)};
   }
   const AVRational rate = stream->avg_frame_rate;
   if (rate.num <= 0 || rate.den <= 0) {
     throw InputError(name + ": carries neither time stamps nor a frame rate; give source.rate_hz");
   }
-  return pictures == 0 ? Timestamp{0}
-                       : Timestamp{last.ns + av_rescale_q(1, av_inv_q(rate), kNanoseconds)};
+  return images == 0 ? Timestamp{0}
+                     : Timestamp{last.ns + av_rescale_q(1, av_inv_q(rate), kNanoseconds)};
 }
 
 // Feeds the decoder; false if the packet was damaged.
@@ -157,15 +157,15 @@ bool VideoReader::State::send_packet() {
   return sent >= 0;
 }
 
-cv::Size VideoReader::State::size_of_picture() const {
-  const cv::Size coded_size(picture->width, picture->height);
+cv::Size VideoReader::State::size_of_image() const {
+  const cv::Size coded_size(image->width, image->height);
   const bool is_upright = !turn || *turn == cv::ROTATE_180;
   return is_upright ? coded_size : cv::Size(coded_size.height, coded_size.width);
 }
 
-cv::Mat VideoReader::State::grey_of_picture(cv::Mat recycled) {
-  if (!turn) return luma.extract(*picture, std::move(recycled));
-  coded = luma.extract(*picture, std::move(coded));
+cv::Mat VideoReader::State::grey_of_image(cv::Mat recycled) {
+  if (!turn) return luma.extract(*image, std::move(recycled));
+  coded = luma.extract(*image, std::move(coded));
   if (coded.empty()) return {};
   cv::rotate(coded, recycled, *turn);
   return recycled;
@@ -174,7 +174,7 @@ cv::Mat VideoReader::State::grey_of_picture(cv::Mat recycled) {
 ReadResult VideoReader::read(cv::Mat recycled) {
   State& s = *state_;
   while (true) {
-    const int status = avcodec_receive_frame(s.decoder.get(), s.picture.get());
+    const int status = avcodec_receive_frame(s.decoder.get(), s.image.get());
     if (status == AVERROR_EOF) return {};
     if (status == AVERROR(EAGAIN)) {
       if (!s.send_packet()) return {.status = ReadResult::Status::undecodable};
@@ -185,22 +185,22 @@ ReadResult VideoReader::read(cv::Mat recycled) {
       if (s.sent_all) return {};
       return {.status = ReadResult::Status::undecodable};
     }
-    const Timestamp stamp = s.stamp_of_picture();
-    ++s.pictures;
+    const Timestamp stamp = s.stamp_of_image();
+    ++s.images;
     s.last = stamp;
     if (stamp < s.start) continue;
-    if (s.picture->decode_error_flags != 0 || (s.picture->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
+    if (s.image->decode_error_flags != 0 || (s.image->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
       return {.status = ReadResult::Status::undecodable};
     }
-    const cv::Size size = s.size_of_picture();
+    const cv::Size size = s.size_of_image();
     if (s.size.area() > 0 && size != s.size) {
       throw InputError(fmt::format(
-          "{}: the picture at {:.3f} s is {}x{}, those before are {}x{}; one calibration cannot "
+          "{}: the image at {:.3f} s is {}x{}, those before are {}x{}; one calibration cannot "
           "serve both, cut the video there (source.end_s)",
           s.name, to_seconds(stamp), size.width, size.height, s.size.width, s.size.height));
     }
     s.size = size;
-    cv::Mat grey = s.grey_of_picture(std::move(recycled));
+    cv::Mat grey = s.grey_of_image(std::move(recycled));
     if (grey.empty()) return {.status = ReadResult::Status::undecodable};
     return {.status = ReadResult::Status::frame,
             .frame = {.stamp = stamp, .grey = std::move(grey)}};
@@ -220,7 +220,7 @@ std::optional<std::string> VideoReader::oblong_pixels() const {
   }
   return fmt::format(
       "{}: its pixels are told to be {}:{} and not square; it is read as it is coded, and its "
-      "calibration must be of such pictures",
+      "calibration must be of such images",
       s.name, aspect.num, aspect.den);
 }
 
@@ -247,9 +247,9 @@ std::optional<std::string> VideoReader::truncation() const {
   const std::optional<double> rate = frames_per_s();
   if (!s.sent_all || s.rate_hz || !duration || !rate) return std::nullopt;
   const double end_s = to_seconds(s.last) + 1.0 / *rate;
-  // a container rounds, and a variable rate ends anywhere within a few pictures
+  // a container rounds, and a variable rate ends anywhere within a few images
   if (end_s + 3.0 / *rate >= *duration) return std::nullopt;
-  return fmt::format("{}: the file is truncated: its pictures end at {:.2f} s of {:.2f} s", s.name,
+  return fmt::format("{}: the file is truncated: its images end at {:.2f} s of {:.2f} s", s.name,
                      end_s, *duration);
 }
 

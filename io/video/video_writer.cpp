@@ -41,7 +41,7 @@ std::string reason(int error) {
 Owned<AVCodecContext> open_encoder(cv::Size size, AVRational rate, const EncoderConfig& config) {
   const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
   if (codec == nullptr) {
-    throw InputError("video: this machine's libavcodec has no libx264; write pictures instead");
+    throw InputError("video: this machine's libavcodec has no libx264; write images instead");
   }
   Owned<AVCodecContext> encoder(avcodec_alloc_context3(codec));
   encoder->width = size.width;
@@ -100,7 +100,7 @@ struct VideoWriter::State {
                     part.file().string(), reason(status)));
   }
   void fill(int plane, const cv::Mat& values);
-  void encode(const AVFrame* picture);
+  void encode(const AVFrame* image);
 };
 
 VideoWriter::VideoWriter(const std::filesystem::path& file, cv::Size size, double frames_per_s,
@@ -140,8 +140,8 @@ VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
 VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
 
 // Null flushes the encoder.
-void VideoWriter::State::encode(const AVFrame* picture) {
-  check(avcodec_send_frame(encoder.get(), picture));
+void VideoWriter::State::encode(const AVFrame* image) {
+  check(avcodec_send_frame(encoder.get(), image));
   for (;;) {
     const int status = avcodec_receive_packet(encoder.get(), packet.get());
     if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return;
@@ -161,17 +161,17 @@ void VideoWriter::State::fill(int plane, const cv::Mat& values) {
   }
 }
 
-void VideoWriter::write(const cv::Mat& picture) {
-  CV_Assert(picture.type() == CV_8UC1 || picture.type() == CV_8UC3);
-  CV_Assert(picture.size() == state_->size);
+void VideoWriter::write(const cv::Mat& image) {
+  CV_Assert(image.type() == CV_8UC1 || image.type() == CV_8UC3);
+  CV_Assert(image.size() == state_->size);
   State& s = *state_;
   s.check(av_frame_make_writable(s.frame.get()));
-  if (picture.channels() == 1) {
-    s.fill(0, picture);
+  if (image.channels() == 1) {
+    s.fill(0, image);
   } else {
     std::array<cv::Mat, 3> planes;  // Y, Cr, Cb
     cv::Mat ycrcb;
-    cv::cvtColor(picture, ycrcb, cv::COLOR_BGR2YCrCb);
+    cv::cvtColor(image, ycrcb, cv::COLOR_BGR2YCrCb);
     cv::split(ycrcb, planes.data());
     s.fill(0, planes[0]);
     for (const auto& [plane, source] : {std::pair{1, 2}, std::pair{2, 1}}) {

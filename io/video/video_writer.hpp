@@ -11,7 +11,7 @@
 
 namespace stillkite {
 
-/// x264's speed presets: slower ones need fewer bytes for the same picture.
+/// x264's speed presets: slower ones need fewer bytes for the same image.
 enum class EncoderPreset { ultrafast, veryfast, fast, medium, slow };
 
 template <>
@@ -34,9 +34,9 @@ struct EncoderConfig {
   }
 };
 
-/// Writes pictures as H.264. Greys are the luma plane as they are (full range) and chroma is
+/// Writes images as H.264. Greys are the luma plane as they are (full range) and chroma is
 /// neutral; colours become BT.601 of full range. The file appears under its name whole or not at
-/// all, as an OutputFile does. The same pictures give the same bytes.
+/// all, as an OutputFile does. The same images give the same bytes.
 class VideoWriter {
  public:
   /// Width and height must be even. Throws InputError if they are not, if the file cannot be
@@ -49,7 +49,7 @@ class VideoWriter {
 
   /// CV_8UC1, grey, or CV_8UC3, BGR, of the writer's size. Throws std::runtime_error if it cannot
   /// be written.
-  void write(const cv::Mat& picture);
+  void write(const cv::Mat& image);
   /// All of it is on the disk, and only the name is missing.
   void finish();
   void commit();

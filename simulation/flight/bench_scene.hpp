@@ -45,7 +45,7 @@ struct FramePair {
   cv::Mat current;
 };
 
-/// The pair as a camera delivers it, with fresh noise in both pictures for every seed.
+/// The pair as a camera delivers it, with fresh noise in both images for every seed.
 [[nodiscard]] FramePair with_noise(const BenchScene& scene, double noise_grey, std::uint64_t seed);
 
 }  // namespace stillkite

@@ -52,9 +52,9 @@ Scene make_scene(const SimulationConfig& config, const cv::Mat& photograph) {
   const double pixel_m = config.flight.height_m / config.camera.focal_x_px;
   const double texel_m = config.ground.metres_per_texel.value_or(kPixelsPerTexel * pixel_m);
   const int side = config.ground.side_texels;
-  const cv::Mat picture =
+  const cv::Mat image =
       photograph.empty() ? procedural_ground(side, side, seed_of(config, kGround)) : photograph;
-  Scene scene{.ground = std::make_shared<GroundTexture>(picture, texel_m),
+  Scene scene{.ground = std::make_shared<GroundTexture>(image, texel_m),
               .relief = make_relief(config)};
   if (config.vehicle) {
     scene.vehicle = std::make_shared<GroundTexture>(
@@ -88,13 +88,13 @@ class FilmSet {
         body_from_camera_(camera_raised_forward(config.camera.forward_tilt_deg)) {}
 
   // `t_s`: of the middle row, where rows are exposed one after the other.
-  void see(double t_s, cv::Mat& picture) const {
+  void see(double t_s, cv::Mat& image) const {
     const double readout_s = config_.camera.readout_s;
-    const int rows = readout_s > 0 ? 1 : picture.rows;
-    for (int row = 0; row < picture.rows; row += rows) {
-      const double now_s = t_s + row_time_s(readout_s, row, picture.rows);
+    const int rows = readout_s > 0 ? 1 : image.rows;
+    for (int row = 0; row < image.rows; row += rows) {
+      const double now_s = t_s + row_time_s(readout_s, row, image.rows);
       renderer_.render_rows(scene_, trajectory_.at(now_s).world_from_body * body_from_camera_,
-                            place_vehicle(config_, trajectory_, now_s), {row, row + rows}, picture);
+                            place_vehicle(config_, trajectory_, now_s), {row, row + rows}, image);
     }
   }
 
@@ -139,14 +139,14 @@ void film_flight(const SimulationConfig& config, const cv::Mat& photograph, cons
   const FilmSet set(config, photograph);
   const std::uint64_t noise_seed = seed_of(config, kNoise);
   const int instants = config.camera.shutter_s > 0 ? config.camera.shutter_samples : 1;
-  cv::Mat picture(config.camera.height_px, config.camera.width_px, CV_32FC1);
+  cv::Mat image(config.camera.height_px, config.camera.width_px, CV_32FC1);
 
   for (std::int64_t frame = 0; frame < frame_count(config); ++frame) {
-    cv::Mat light = cv::Mat::zeros(picture.size(), CV_32FC1);
+    cv::Mat light = cv::Mat::zeros(image.size(), CV_32FC1);
     for (int instant = 0; instant < instants; ++instant) {
       const double within = (instant + 0.5) / instants - 0.5;
-      set.see(time_of(config, frame) + within * config.camera.shutter_s, picture);
-      light += picture;
+      set.see(time_of(config, frame) + within * config.camera.shutter_s, image);
+      light += image;
     }
     const Exposure exposure{.gain = gain_at(config, frame) / instants,
                             .noise_grey = config.camera.noise_grey};

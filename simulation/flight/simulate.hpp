@@ -18,7 +18,7 @@ struct StampedState {
   MotionState state;
 };
 
-/// Everything of a flight but its pictures. The first frame is at time 0.
+/// Everything of a flight but its images. The first frame is at time 0.
 struct FlightRecord {
   Camera camera;
   RigidTransform body_from_camera;
@@ -34,7 +34,7 @@ struct FlightRecord {
 /// Is handed every frame in turn; what it throws ends the simulation.
 using FrameSink = std::function<void(const Frame&)>;
 
-/// Pictures of the same flight. `photograph`: CV_8UC1 where the configuration names one, else
+/// Images of the same flight. `photograph`: CV_8UC1 where the configuration names one, else
 /// empty.
 void film_flight(const SimulationConfig& config, const cv::Mat& photograph, const FrameSink& sink);
 

@@ -33,8 +33,8 @@ struct SimulatedCameraConfig {
 
   static void fields(auto& self, auto&& field) {
     field("frames_per_s", self.frames_per_s, Range{0.1, 1000}, "frame rate");
-    field("width_px", self.width_px, Range{16, 16384}, "of the picture");
-    field("height_px", self.height_px, Range{16, 16384}, "of the picture");
+    field("width_px", self.width_px, Range{16, 16384}, "of the image");
+    field("height_px", self.height_px, Range{16, 16384}, "of the image");
     field("focal_x_px", self.focal_x_px, kPositive, "focal length");
     field("focal_y_px", self.focal_y_px, kPositive, "focal length");
     field("centre_x_px", self.centre_x_px, kAny, "principal point, first pixel's centre is 0");
@@ -45,7 +45,7 @@ struct SimulatedCameraConfig {
           "of the optical axis in the body, from straight down towards the nose");
     field("supersampling", self.supersampling, Range{1, 4}, "samples a pixel and direction");
     field("shutter_s", self.shutter_s, kNotNegative, "time over which motion blurs; 0: none");
-    field("shutter_samples", self.shutter_samples, Range{1, 64}, "instants a blurred picture");
+    field("shutter_samples", self.shutter_samples, Range{1, 64}, "instants a blurred image");
     field("readout_s", self.readout_s, Range{0, 0.1},
           "rolling shutter: from the first row to the last, a frame's stamp is its middle row's");
     field("noise_grey", self.noise_grey, Range{0, 100}, "1 sigma of a pixel");
@@ -73,22 +73,22 @@ struct GroundConfig {
   ReliefConfig relief{};
 
   static void fields(auto& self, auto&& field) {
-    field("photograph", self.photograph, "picture of a ground seen from above; null: made here");
+    field("photograph", self.photograph, "image of a ground seen from above; null: made here");
     field("metres_per_texel", self.metres_per_texel, kPositive,
-          "size of the ground's pixels; null: 0.8 picture pixels at the start");
+          "size of the ground's pixels; null: 0.8 image pixels at the start");
     field("side_texels", self.side_texels, Range{64, 16384}, "of a ground made here; it repeats");
     field("relief", self.relief, "hills");
   }
 };
 
-/// A vehicle that drives across the picture, again and again.
+/// A vehicle that drives across the image, again and again.
 struct VehicleConfig {
   double image_share = 0.04;
   double crossing_s = 15;
 
   static void fields(auto& self, auto&& field) {
-    field("image_share", self.image_share, Range{1e-4, 0.5}, "of the picture that it covers");
-    field("crossing_s", self.crossing_s, kPositive, "from one side of the picture to the other");
+    field("image_share", self.image_share, Range{1e-4, 0.5}, "of the image that it covers");
+    field("crossing_s", self.crossing_s, kPositive, "from one side of the image to the other");
   }
 };
 

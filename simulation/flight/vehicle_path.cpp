@@ -13,16 +13,16 @@ std::optional<VehiclePlacement> place_vehicle(const SimulationConfig& config,
   const double middle_s = (2 * std::floor(t_s / (2 * half_s)) + 1) * half_s;
   const MotionState middle = trajectory.at(middle_s);
   const double height_m = middle.world_from_body.translation.z();
-  const double picture_width_m = camera.width_px * height_m / camera.focal_x_px;
-  const double picture_height_m = camera.height_px * height_m / camera.focal_y_px;
-  const double area_m2 = config.vehicle->image_share * picture_width_m * picture_height_m;
+  const double image_width_m = camera.width_px * height_m / camera.focal_x_px;
+  const double image_height_m = camera.height_px * height_m / camera.focal_y_px;
+  const double area_m2 = config.vehicle->image_share * image_width_m * image_height_m;
   const double length_m = std::sqrt(2 * area_m2);
 
-  // the picture's right is -y of the body; slantwise, so that it is no pure side motion
+  // the image's right is -y of the body; slantwise, so that it is no pure side motion
   const Eigen::Vector3d right_and_up(0.35, -1, 0);
   const Eigen::Vector2d way =
       (middle.world_from_body.rotation * right_and_up).head<2>().normalized();
-  const double relative_speed_m_s = picture_width_m / (2 * half_s);
+  const double relative_speed_m_s = image_width_m / (2 * half_s);
   const Eigen::Vector2d velocity_m_s =
       middle.velocity_in_world_m_s.head<2>() + relative_speed_m_s * way;
   return VehiclePlacement{.centre_in_world_m = middle.world_from_body.translation.head<2>() +

@@ -10,7 +10,7 @@ namespace stillkite {
 
 /// Where the configured vehicle is; nothing if there is none. Crossing after crossing it drives
 /// straight and steadily over the ground, through the point under the camera at half time, from
-/// beyond the left border of the picture to beyond the right one as seen from the flight there.
+/// beyond the left border of the image to beyond the right one as seen from the flight there.
 [[nodiscard]] std::optional<VehiclePlacement> place_vehicle(const SimulationConfig& config,
                                                             const Trajectory& trajectory,
                                                             double t_s);

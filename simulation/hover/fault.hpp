@@ -10,11 +10,11 @@
 namespace stillkite {
 
 enum class FaultKind {
-  frozen_video,            ///< the last picture again, with new stamps
+  frozen_video,            ///< the last image again, with new stamps
   every_third_frame_lost,  ///< on the way to the ground
-  stamps_off,              ///< pictures say they are later than they are
+  stamps_off,              ///< images say they are later than they are
   picture_dark,            ///< hardly any light: there is nothing to see but noise
-  reference_blind,         ///< something patterned swings before the upper part of the picture
+  reference_blind,         ///< something patterned swings before the upper part of the image
   flow_blind,              ///< the floor swings, as water or what the wind blows over it
   height_step,             ///< the floor is higher than before, what stands on it is not
   gyro_bias,               ///< about each axis; the IMU's own heading turns with it
@@ -55,7 +55,7 @@ struct FaultConfig {
     field("stamps_off_s", self.stamps_off_s, Range{-1, 1}, "stamps_off: added to a stamp");
     field("light_ratio", self.light_ratio, Range{0, 1}, "picture_dark: of the light that is left");
     field("covered_ratio", self.covered_ratio, Range{0, 1},
-          "reference_blind: of the picture's height, from above");
+          "reference_blind: of the image's height, from above");
     field("floor_swing_m", self.floor_swing_m, Range{0, 5},
           "flow_blind: how far to either side, every 2 s");
     field("floor_rise_m", self.floor_rise_m, Range{-5, 5}, "height_step: how much higher");

@@ -51,7 +51,7 @@ struct LinkConfig {
 
   static void fields(auto& self, auto&& field) {
     field("jpeg_quality", self.jpeg_quality, Range{0, 100},
-          "of the compressed pictures; 0: they are not compressed");
+          "of the compressed images; 0: they are not compressed");
   }
 };
 
@@ -72,7 +72,7 @@ struct HoverConfig {
     field("seed", self.seed, kAnySeed, "of everything random; every trial has streams of its own");
     field("scene", self.scene, "what the camera sees");
     field("trials", self.trials, "how many flights");
-    field("link", self.link, "what pictures suffer on their way");
+    field("link", self.link, "what images suffer on their way");
     field("cycle", self.cycle, "how fast estimator and controller are");
     field("plant_file", self.plant_file, "YAML file with the keys of `plant`; null: its defaults");
     field("plant", self.plant, "the drone, its sensors and its station, over those of the file");

@@ -6,7 +6,7 @@
 
 namespace stillkite {
 
-/// By how much one picture's estimate missed the truth at its exposure.
+/// By how much one image's estimate missed the truth at its exposure.
 struct EstimateError {
   Timestamp stamp;
   Verdict verdict = Verdict::first_frame;

@@ -57,7 +57,7 @@ struct HoverSensorConfig {
   }
 };
 
-/// Between the truth and the controller: all that the controller learns beside pictures. Every
+/// Between the truth and the controller: all that the controller learns beside images. Every
 /// sensor draws from a stream of its own, so that one more reading of one does not change
 /// another's.
 class HoverSensors {

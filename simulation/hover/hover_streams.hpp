@@ -16,7 +16,7 @@ enum class HoverStream : std::uint64_t {
   trial_kicks,
   pixels,
   trial_sea,
-  trial_passers,
+  trial_moving_objects,
 };
 
 [[nodiscard]] inline Random hover_random(std::uint64_t seed, HoverStream stream) {

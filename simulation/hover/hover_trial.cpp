@@ -4,9 +4,9 @@
 #include "navigation/hover_pilot.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/hover/fault_effects.hpp"
-#include "simulation/hover/hover_inbox.hpp"
 #include "simulation/hover/hover_streams.hpp"
 #include "simulation/hover/hover_video.hpp"
+#include "simulation/hover/sensor_buffer.hpp"
 
 namespace stillkite {
 namespace {
@@ -77,7 +77,7 @@ TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world, const 
   HoverSensors sensors(config.plant.sensors,
                        hover_random(trial.seed, HoverStream::trial_sensors).bits());
   HoverVideo video(config, world, trial);
-  HoverInbox inbox(plant.world_from_station().rotation.conjugate());
+  SensorBuffer inbox(plant.world_from_station().rotation.conjugate());
   const RigidTransform& drone = plant.truth().world_from_body;
   const HoverStart start = start_of(drone, sensors.known_height_m(drone.translation.z()));
   HoverPilot pilot = pilot_at(start, config);
@@ -87,14 +87,14 @@ TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world, const 
     // 1. What the sensors measure, and what the camera sees.
     inbox.take(with_fault(sensors.read(plant.truth(), now), plant.fault()));
     const bool is_exposed = video.expose(plant.truth(), inbox.attitude(), now, plant.fault());
-    // 2. A picture becomes a command, and its estimate is held against the truth.
-    if (const std::optional<SentPicture> seen = video.take(now)) {
+    // 2. An image becomes a command, and its estimate is held against the truth.
+    if (const std::optional<SentImage> seen = video.take(now)) {
       last = pilot.step(seen->frame, inbox.readings(seen->frame.stamp, seen->attitude, now));
       if (!trial.stabilized) last.decision = {};  // looked at, not obeyed
       record.estimate_errors.push_back(error_of(last.estimate, start, config, seen->truth));
       if (observer) observer(seen->frame, last.estimate, last.decision);
     }
-    // 3. The truth, a row for every picture of the camera.
+    // 3. The truth, a row for every image of the camera.
     if (is_exposed) record.samples.push_back(sample_of(plant, start.in_world_m, last));
   }
   return record;

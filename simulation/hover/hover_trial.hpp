@@ -32,19 +32,19 @@ struct TrialRecord {
   Trial trial;
   std::vector<TrialSample> samples;
   std::vector<YawKick> kicks;                  ///< that turned the drone
-  std::vector<EstimateError> estimate_errors;  ///< one a picture that was looked at
+  std::vector<EstimateError> estimate_errors;  ///< one an image that was looked at
 };
 
 /// The trials in the paper's order: axis x, y, z, each with stabilization first. Flights of one
 /// number along different axes have different seeds.
 [[nodiscard]] std::vector<Trial> make_trials(const HoverConfig& config);
 
-/// Is told every picture that was looked at, with its estimate and the decision that followed; may
+/// Is told every image that was looked at, with its estimate and the decision that followed; may
 /// throw to end the trial.
 using TrialObserver =
     std::function<void(const Frame&, const NavigationEstimate&, const HoldDecision&)>;
 
-/// Flies one trial in closed loop: plant, sensors, rendered pictures, estimator and controller. The
+/// Flies one trial in closed loop: plant, sensors, rendered images, estimator and controller. The
 /// same record for the same configuration and trial, on one machine bit for bit.
 [[nodiscard]] TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world,
                                     const Trial& trial, const TrialObserver& observer = {});

@@ -42,9 +42,10 @@ HoverVideo::HoverVideo(const HoverConfig& config, const HoverWorld& world, const
       duration_s_(trial_duration_s(config, trial)),
       is_looked_at_(trial.stabilized || config.trials.estimate_off),
       noise_seed_(hover_random(trial.seed, HoverStream::pixels).bits()) {
-  if (config.plant.passers) {
-    passers_ = make_passers(*config.plant.passers,
-                            hover_random(trial.seed, HoverStream::trial_passers).bits());
+  if (config.plant.moving_objects) {
+    moving_objects_ =
+        make_moving_objects(*config.plant.moving_objects,
+                            hover_random(trial.seed, HoverStream::trial_moving_objects).bits());
   }
 }
 
@@ -56,7 +57,7 @@ bool HoverVideo::expose(const DroneTruth& truth, const Eigen::Quaterniond& attit
   if (is_sent) {
     const bool is_lost = fault.is_every_third_frame_lost && looks_ % 3 == 2;
     const bool is_old = fault.is_video_frozen && !last_.empty();
-    if (!is_old) last_ = picture(truth, now, fault);
+    if (!is_old) last_ = image(truth, now, fault);
     const double delay_s = config_.plant.camera_latency_s + config_.cycle.compute_s;
     const Timestamp stamp{now.ns + from_seconds(fault.stamps_off_s).ns};
     if (!is_lost) {
@@ -71,9 +72,9 @@ bool HoverVideo::expose(const DroneTruth& truth, const Eigen::Quaterniond& attit
   return true;
 }
 
-std::optional<SentPicture> HoverVideo::take(Timestamp now) {
+std::optional<SentImage> HoverVideo::take(Timestamp now) {
   if (pending_.empty() || pending_.front().due > now) return std::nullopt;
-  SentPicture ready = std::move(pending_.front());
+  SentImage ready = std::move(pending_.front());
   pending_.pop_front();
   return ready;
 }
@@ -81,12 +82,13 @@ std::optional<SentPicture> HoverVideo::take(Timestamp now) {
 // Noise-free. The scene as it is at present; the world's own where nothing has moved in it.
 cv::Mat HoverVideo::light(const DroneTruth& truth, Timestamp now, const FaultEffect& fault) const {
   const Shutter shutter = shutter_about(truth, config_.plant.camera);
-  if (fault.floor_moved_m.isZero(0) && passers_.empty()) {
+  if (fault.floor_moved_m.isZero(0) && moving_objects_.empty()) {
     return world_.renderer.render(world_.scene, shutter);
   }
   PatchScene scene = with_floor_moved(world_.scene, fault.floor_moved_m);
-  if (!passers_.empty()) {
-    scene = with_passers(std::move(scene), *config_.plant.passers, passers_, to_seconds(now));
+  if (!moving_objects_.empty()) {
+    scene = with_moving_objects(std::move(scene), *config_.plant.moving_objects, moving_objects_,
+                                to_seconds(now));
   }
   return world_.renderer.render(scene, shutter);
 }
@@ -96,8 +98,7 @@ double HoverVideo::gain(Timestamp now) const {
   return config_.plant.camera.gain(to_seconds(now) / duration_s_, flicker.uniform(-1, 1));
 }
 
-cv::Mat HoverVideo::picture(const DroneTruth& truth, Timestamp now,
-                            const FaultEffect& fault) const {
+cv::Mat HoverVideo::image(const DroneTruth& truth, Timestamp now, const FaultEffect& fault) const {
   const PlantConfig& plant = config_.plant;
   cv::Mat seen = light(truth, now, fault);
   if (fault.covered_ratio > 0) seen = covered(seen, fault.covered_ratio, to_seconds(now));

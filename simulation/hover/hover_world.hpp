@@ -8,7 +8,7 @@
 
 namespace stillkite {
 
-/// What a picture suffers between camera and computer; empty: nothing.
+/// What an image suffers between camera and computer; empty: nothing.
 using VideoLink = std::function<cv::Mat(const cv::Mat& grey)>;
 
 /// What all trials of one configuration share; making it takes longer than a frame.

@@ -10,7 +10,7 @@
 #include "simulation/hover/tethered_drone.hpp"
 #include "simulation/hover/wind.hpp"
 #include "simulation/hover/yaw_kicks.hpp"
-#include "simulation/scene/passers.hpp"
+#include "simulation/scene/moving_objects.hpp"
 
 namespace stillkite {
 
@@ -43,7 +43,7 @@ struct PlantConfig {
   WindConfig wind{};
   std::optional<YawKickConfig> yaw_kicks{};
   double contrast_ratio = 1;
-  std::optional<PasserConfig> passers{};
+  std::optional<MovingObjectConfig> moving_objects{};
   std::optional<FaultConfig> fault{};
 
   static void fields(auto& self, auto&& field) {
@@ -51,14 +51,14 @@ struct PlantConfig {
     field("camera", self.camera, "lens, sensor and the gimbal's tilt");
     field("camera_latency_s", self.camera_latency_s, kNotNegative,
           "from a frame's exposure to its arrival at the estimator");
-    field("sensors", self.sensors, "what the controller learns beside pictures");
+    field("sensors", self.sensors, "what the controller learns beside images");
     field("station", self.station, "the way of the ground station");
     field("sea", self.sea, "that carries the station's boat; null: it stands on land");
     field("wind", self.wind, "mean and gusts");
     field("yaw_kicks", self.yaw_kicks, "what turns the drone; null: nothing");
     field("contrast_ratio", self.contrast_ratio, Range{0, 1},
           "of the scene, about a middle grey; below 1 as in haze, and the noise stays");
-    field("passers", self.passers, "what moves before the camera; null: nothing");
+    field("moving_objects", self.moving_objects, "what moves before the camera; null: nothing");
     field("fault", self.fault, "what goes wrong for a while; null: nothing");
   }
 };

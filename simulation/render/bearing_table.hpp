@@ -16,7 +16,7 @@ struct BearingSegment {
   std::array<float, 4> y{};
 };
 
-/// Bearings (x, y, 1) of all samples of a picture, as many a pixel as the square of
+/// Bearings (x, y, 1) of all samples of an image, as many a pixel as the square of
 /// `supersampling`. Through a wide-angle lens a cubic is within a hundredth of a pixel over a
 /// segment, and sixteen times smaller than a table, which the memory cannot deliver fast enough.
 /// NaN where the lens sees nothing in part of a segment.

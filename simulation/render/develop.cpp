@@ -16,7 +16,7 @@ cv::Mat develop(const cv::Mat& irradiance, const Exposure& exposure, std::uint64
   const int padded = (irradiance.cols + kDevelopPadding - 1) / kDevelopPadding * kDevelopPadding;
   std::vector<float> in(padded, 0.0F);
   std::vector<std::uint8_t> out(padded);
-  cv::Mat picture(irradiance.size(), CV_8UC1);
+  cv::Mat image(irradiance.size(), CV_8UC1);
   for (int row = 0; row < irradiance.rows; ++row) {
     std::copy_n(irradiance.ptr<float>(row), irradiance.cols, in.data());
     develop_row({.irradiance = in.data(),
@@ -27,9 +27,9 @@ cv::Mat develop(const cv::Mat& irradiance, const Exposure& exposure, std::uint64
                  .key_2 = static_cast<std::uint32_t>(key >> 32),
                  .gain = static_cast<float>(exposure.gain),
                  .noise_grey = static_cast<float>(exposure.noise_grey)});
-    std::copy_n(out.data(), irradiance.cols, picture.ptr(row));
+    std::copy_n(out.data(), irradiance.cols, image.ptr(row));
   }
-  return picture;
+  return image;
 }
 
 }  // namespace stillkite

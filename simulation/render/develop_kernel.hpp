@@ -9,8 +9,8 @@ struct DevelopRow {
   const float* irradiance = nullptr;
   std::uint8_t* grey = nullptr;
   int count = 0;
-  std::uint32_t first_pixel = 0;  ///< its number in the picture
-  std::uint32_t key_1 = 0;        ///< of the picture
+  std::uint32_t first_pixel = 0;  ///< its number in the image
+  std::uint32_t key_1 = 0;        ///< of the image
   std::uint32_t key_2 = 0;
   float gain = 1;
   float noise_grey = 0;

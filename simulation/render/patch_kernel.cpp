@@ -59,7 +59,7 @@ HWY_INLINE VF nearest_of(const PatchTile& tile, VF x, VF y) {
   return winner;
 }
 
-// Where in a patch's picture the pixels of a tile lie, a vector after the other. First all places
+// Where in a patch's image the pixels of a tile lie, a vector after the other. First all places
 // are computed and their memory is asked for, then it is read: a tile's texels come from far away,
 // and waiting for each alone would take longer than all else.
 struct TilePlaces {

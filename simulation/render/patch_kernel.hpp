@@ -8,14 +8,14 @@
 
 namespace stillkite {
 
-/// One pyramid level of a patch's picture, at coordinates (u, v) of the finest one.
+/// One pyramid level of a patch's image, at coordinates (u, v) of the finest one.
 struct PatchLevel {
   float scale = 1;  ///< of the level's coordinates, and what is added to them
   float shift = 0;
   float last_u = 0;  ///< of the level's last texel
   float last_v = 0;
   std::uint32_t pitch = 0;   ///< bytes from a row to the next
-  std::uint32_t offset = 0;  ///< of the first texel from the picture's, in bytes
+  std::uint32_t offset = 0;  ///< of the first texel from the image's, in bytes
 };
 
 /// A patch as one camera sees it; every array times the bearing b = (x, y, 1). The point seen along
@@ -24,10 +24,10 @@ struct PatchView {
   std::array<float, 3> inverse_depth{};  ///< > 0 in front of the camera
   std::array<float, 3> u{};
   std::array<float, 3> v{};
-  float width_texels = 0;  ///< of the rectangle, which may be more than the picture's
+  float width_texels = 0;  ///< of the rectangle, which may be more than the image's
   float height_texels = 0;
   float texels_per_cubed_depth = 0;     ///< a pixel covers depth^3 times this, in square texels
-  bool mirrored = false;                ///< the rectangle is larger than the picture
+  bool mirrored = false;                ///< the rectangle is larger than the image
   const std::uint8_t* pairs = nullptr;  ///< of GroundTexture
   int level_count = 1;
   std::array<PatchLevel, 12> levels{};

@@ -1,4 +1,4 @@
-// Where a sample lies in a patch's picture, and what is there: compiled once a target of Highway,
+// Where a sample lies in a patch's image, and what is there: compiled once a target of Highway,
 // as part of the kernel that includes it.
 
 #if defined(STILLKITE_PATCH_LOOKUP_INL) == defined(HWY_TARGET_TOGGLE)
@@ -57,7 +57,7 @@ HWY_INLINE VF reflect(VF u, float last) {
   return hn::Abs(hn::NegMulAdd(turns, hn::Set(f, period), u));
 }
 
-// Four texels about a place in a picture: their bytes' offset, and how far on it is between them.
+// Four texels about a place in an image: their bytes' offset, and how far on it is between them.
 struct QuadPlace {
   VI offset;
   VF a, b;

@@ -140,19 +140,19 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
   const int instants = shutter.instants;
   const double focal_px = std::min(camera_.focal_x_px, camera_.focal_y_px);
   std::vector<std::vector<PatchView>> views;
-  std::vector<VisiblePatches> in_picture;
+  std::vector<VisiblePatches> in_image;
   views.reserve(instants);
-  in_picture.reserve(instants);
+  in_image.reserve(instants);
   for (int k = 0; k < instants; ++k) {
     views.push_back(
         make_patch_views(scene,
                          interpolate(shutter.world_from_camera_at_opening,
                                      shutter.world_from_camera_at_closing, (k + 0.5) / instants),
                          focal_px));
-    in_picture.push_back({.patches = candidates_of(views.back())});
+    in_image.push_back({.patches = candidates_of(views.back())});
   }
 
-  cv::Mat picture(camera_.height_px, camera_.width_px, CV_32FC1);
+  cv::Mat image(camera_.height_px, camera_.width_px, CV_32FC1);
   const float share = 1.0F / static_cast<float>(samples);
   const auto background = static_cast<float>(scene.background_grey);
   const auto* group = groups_.data();
@@ -160,7 +160,7 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
   for (std::size_t band = 0; band < bands_.size(); ++band) {
     const int first_row = static_cast<int>(band) * kTileRows;
     const int rows = std::min(kTileRows, camera_.height_px - first_row);
-    const std::vector<VisiblePatches> in_band = visible_at_all_instants(in_picture, bands_[band]);
+    const std::vector<VisiblePatches> in_band = visible_at_all_instants(in_image, bands_[band]);
     std::vector<VisiblePatches> in_group;
     for (int segment = 0; segment < bearings_.segments_a_row; ++segment) {
       if (segment % kTilesAGroup == 0) in_group = visible_at_all_instants(in_band, *group++);
@@ -170,12 +170,12 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
       const int columns = std::min(kTileColumns, camera_.width_px - first_column);
       for (int row = 0; row < rows; ++row) {
         std::transform(&light[row * kTileColumns], &light[row * kTileColumns] + columns,
-                       picture.ptr<float>(first_row + row) + first_column,
+                       image.ptr<float>(first_row + row) + first_column,
                        [share](float sum) { return share * sum; });
       }
     }
   }
-  return picture;
+  return image;
 }
 
 }  // namespace stillkite

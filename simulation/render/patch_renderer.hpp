@@ -25,7 +25,7 @@ class PatchRenderer {
   /// `supersampling`: samples a pixel and direction, 1 to 4. Throws InputError on a bad camera.
   PatchRenderer(const Camera& camera, int supersampling);
 
-  /// Noise-free picture, CV_32FC1 in grey values: every pixel the mean of its samples, each of
+  /// Noise-free image, CV_32FC1 in grey values: every pixel the mean of its samples, each of
   /// which shows the nearest patch that its ray meets.
   [[nodiscard]] cv::Mat render(const PatchScene& scene,
                                const RigidTransform& world_from_camera) const;

@@ -12,7 +12,7 @@
 namespace stillkite {
 namespace {
 
-// A picture is made in strips: what rows of a strip share on the ground then stays in the cache
+// An image is made in strips: what rows of a strip share on the ground then stays in the cache
 // even where they run across the texture's rows.
 constexpr int kStripWidth = 64;
 constexpr int kMaxSupersampling = 4;
@@ -86,27 +86,27 @@ void Renderer::tabulate_lens() {
 
 cv::Mat Renderer::render(const Scene& scene, const RigidTransform& world_from_camera,
                          const std::optional<VehiclePlacement>& vehicle) const {
-  cv::Mat picture(camera_.height_px, camera_.width_px, CV_32FC1);
-  render_rows(scene, world_from_camera, vehicle, {0, camera_.height_px}, picture);
-  return picture;
+  cv::Mat image(camera_.height_px, camera_.width_px, CV_32FC1);
+  render_rows(scene, world_from_camera, vehicle, {0, camera_.height_px}, image);
+  return image;
 }
 
 void Renderer::render_rows(const Scene& scene, const RigidTransform& world_from_camera,
                            const std::optional<VehiclePlacement>& vehicle, const cv::Range& rows,
-                           cv::Mat& picture) const {
+                           cv::Mat& image) const {
   if (!(world_from_camera.translation.z() > 0)) {
-    picture.rowRange(rows).setTo(scene.sky_grey);
+    image.rowRange(rows).setTo(scene.sky_grey);
     return;
   }
   const double sample_focal_px = supersampling_ * std::min(camera_.focal_x_px, camera_.focal_y_px);
   const RenderView view = make_view(scene, world_from_camera, vehicle, sample_focal_px);
   for (int column = 0; column < padded_width_; column += kStripWidth) {
-    render_strip(view, column, std::min(kStripWidth, padded_width_ - column), rows, picture);
+    render_strip(view, column, std::min(kStripWidth, padded_width_ - column), rows, image);
   }
 }
 
 void Renderer::render_strip(const RenderView& frame_view, int first, int count,
-                            const cv::Range& rows, cv::Mat& picture) const {
+                            const cv::Range& rows, cv::Mat& image) const {
   RenderView view = frame_view;
   const int samples = supersampling_ * supersampling_;
   const std::size_t width = padded_width_;
@@ -138,7 +138,7 @@ void Renderer::render_strip(const RenderView& frame_view, int first, int count,
                       .ground_height_m = height_rows.data(),
                       .grey = grey.data()});
     std::copy_n(grey.data(), std::min(count, camera_.width_px - first),
-                picture.ptr<float>(row) + first);
+                image.ptr<float>(row) + first);
   }
 }
 

@@ -37,22 +37,22 @@ class Renderer {
   /// `supersampling`: samples a pixel and direction, 1 to 4. Throws InputError on a bad camera.
   Renderer(const Camera& camera, int supersampling);
 
-  /// Noise-free picture, CV_32FC1 in grey values, of a pinhole shutter at one instant: every pixel
+  /// Noise-free image, CV_32FC1 in grey values, of a pinhole shutter at one instant: every pixel
   /// the mean of its samples. A camera at or below the ground sees sky only. On a relief the ray
   /// meets the ground by fixed-point steps, exact where slope x tan(angle from nadir) < 1.
   [[nodiscard]] cv::Mat render(const Scene& scene, const RigidTransform& world_from_camera,
                                const std::optional<VehiclePlacement>& vehicle = {}) const;
 
-  /// These rows of it alone, written into `picture`.
+  /// These rows of it alone, written into `image`.
   void render_rows(const Scene& scene, const RigidTransform& world_from_camera,
                    const std::optional<VehiclePlacement>& vehicle, const cv::Range& rows,
-                   cv::Mat& picture) const;
+                   cv::Mat& image) const;
 
  private:
   void tabulate_pinhole();
   void tabulate_lens();
   void render_strip(const RenderView& frame_view, int first_column, int count,
-                    const cv::Range& rows, cv::Mat& picture) const;
+                    const cv::Range& rows, cv::Mat& image) const;
 
   Camera camera_;
   int supersampling_;

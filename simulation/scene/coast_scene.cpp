@@ -68,8 +68,8 @@ void add_land(SceneBuilder& builder, std::uint64_t seed) {
                .right_in_world_m = kShoreDepth_m * inland,
                .down_in_world_m = -kShoreWidth_m * left,
                .texture = grass});
-  builder.add_upright(on_shore(0, 0, -kShoreHeight_m), kShoreHeading_rad + std::numbers::pi,
-                      kShoreWidth_m, kShoreHeight_m, kSeaWall);
+  builder.add_vertical_patch(on_shore(0, 0, -kShoreHeight_m), kShoreHeading_rad + std::numbers::pi,
+                             kShoreWidth_m, kShoreHeight_m, kSeaWall);
 }
 
 void add_houses(SceneBuilder& builder, Random& random) {

@@ -45,9 +45,9 @@ GroundTexture::GroundTexture(const cv::Mat& grey, double metres_per_texel)
     : metres_per_texel_(metres_per_texel) {
   constexpr int kSmallestLevel = 16;
   if (grey.type() != CV_8UC1 || grey.rows < 2 || grey.cols < 2 || grey.total() > 750000000u) {
-    throw InputError(
-        "ground: a grey 8-bit picture of 2x2 to 7.5e8 pixels is needed, this one has " +
-        std::to_string(grey.cols) + "x" + std::to_string(grey.rows) + "; convert or crop it");
+    throw InputError("ground: a grey 8-bit image of 2x2 to 7.5e8 pixels is needed, this one has " +
+                     std::to_string(grey.cols) + "x" + std::to_string(grey.rows) +
+                     "; convert or crop it");
   }
   if (!(metres_per_texel > 0)) {
     throw InputError("ground: metres per texel must be > 0, not " +

@@ -7,7 +7,7 @@
 
 namespace stillkite {
 
-/// A grey picture that lies on the ground, its centre at the world's origin, columns towards +x,
+/// A grey image that lies on the ground, its centre at the world's origin, columns towards +x,
 /// rows towards -y (seen from above it is not mirrored). Beyond its borders it goes on as its own
 /// mirror image, so no flight leaves it. Between texels it is bilinear: that is the world's truth.
 ///

@@ -10,12 +10,12 @@
 
 namespace stillkite {
 
-/// A rectangle in space with a picture on it. Only its front is seen: the side from which the
-/// picture reads from left to right. The centre of the picture's first texel is at `corner`, its
+/// A rectangle in space with an image on it. Only its front is seen: the side from which the
+/// image reads from left to right. The centre of the image's first texel is at `corner`, its
 /// texels have the texture's metres, and beyond its borders it goes on as its mirror image.
 struct Patch {
   Eigen::Vector3d corner_in_world_m;
-  Eigen::Vector3d right_in_world_m;  ///< along the picture's rows, the rectangle's whole width
+  Eigen::Vector3d right_in_world_m;  ///< along the image's rows, the rectangle's whole width
   Eigen::Vector3d down_in_world_m;   ///< along its columns, the whole height
   std::shared_ptr<const GroundTexture> texture;
 };
@@ -44,7 +44,7 @@ struct PatchHit {
 
 [[nodiscard]] std::optional<double> depth_at(const PatchScene& scene, const Ray& ray);
 
-/// Grey value of the picture on a patch at a point of it, from the finest level.
+/// Grey value of the image on a patch at a point of it, from the finest level.
 [[nodiscard]] double grey_at(const Patch& patch, const Eigen::Vector3d& point_in_world_m);
 
 }  // namespace stillkite

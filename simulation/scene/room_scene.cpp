@@ -70,10 +70,10 @@ void add_shell(SceneBuilder& builder) {
   const double half = std::numbers::pi / 2;
   builder.add_level({0, 0, 0}, 0, kLength_m, kWidth_m, true, kFloor);
   builder.add_level({0, 0, kHeight_m}, 0, kLength_m, kWidth_m, false, kCeiling);
-  builder.add_upright({kLength_m / 2, 0, 0}, 2 * half, kWidth_m, kHeight_m, kWall);
-  builder.add_upright({-kLength_m / 2, 0, 0}, 0, kWidth_m, kHeight_m, kWall);
-  builder.add_upright({0, kWidth_m / 2, 0}, -half, kLength_m, kHeight_m, kWall);
-  builder.add_upright({0, -kWidth_m / 2, 0}, half, kLength_m, kHeight_m, kWall);
+  builder.add_vertical_patch({kLength_m / 2, 0, 0}, 2 * half, kWidth_m, kHeight_m, kWall);
+  builder.add_vertical_patch({-kLength_m / 2, 0, 0}, 0, kWidth_m, kHeight_m, kWall);
+  builder.add_vertical_patch({0, kWidth_m / 2, 0}, -half, kLength_m, kHeight_m, kWall);
+  builder.add_vertical_patch({0, -kWidth_m / 2, 0}, half, kLength_m, kHeight_m, kWall);
 }
 
 // Sheets a centimetre before the walls: three on each long one, two on each short one.
@@ -82,16 +82,16 @@ void add_posters(SceneBuilder& builder, Random& random) {
   const double gap_m = 0.01;
   for (const double side : {1.0, -1.0}) {
     for (const double along_m : {-3.6, 0.2, 3.4}) {
-      builder.add_upright({along_m + random.uniform(-0.4, 0.4), side * (kWidth_m / 2 - gap_m),
-                           random.uniform(1.3, 2.1)},
-                          -side * half, random.uniform(0.8, 1.5), random.uniform(0.9, 1.5),
-                          kPoster);
+      builder.add_vertical_patch({along_m + random.uniform(-0.4, 0.4),
+                                  side * (kWidth_m / 2 - gap_m), random.uniform(1.3, 2.1)},
+                                 -side * half, random.uniform(0.8, 1.5), random.uniform(0.9, 1.5),
+                                 kPoster);
     }
     for (const double along_m : {-2.2, 1.6}) {
-      builder.add_upright({side * (kLength_m / 2 - gap_m), along_m + random.uniform(-0.5, 0.5),
-                           random.uniform(1.4, 2.2)},
-                          side > 0 ? 2 * half : 0, random.uniform(0.9, 1.6),
-                          random.uniform(0.9, 1.5), kPoster);
+      builder.add_vertical_patch({side * (kLength_m / 2 - gap_m),
+                                  along_m + random.uniform(-0.5, 0.5), random.uniform(1.4, 2.2)},
+                                 side > 0 ? 2 * half : 0, random.uniform(0.9, 1.6),
+                                 random.uniform(0.9, 1.5), kPoster);
     }
   }
 }
@@ -121,7 +121,7 @@ PatchScene make_room(std::uint64_t seed) {
   const auto about = [&](double value, double spread) {
     return value + random.uniform(-spread, spread);
   };
-  // ahead, in the camera's picture
+  // ahead, in the camera's image
   builder.add_box({{about(5.6, 0.1), about(3.6, 0.2), 0}, {0.5, 1.6, 2.1}, 0}, kShelf);
   builder.add_box({{about(5.5, 0.1), about(-3.4, 0.2), 0}, {0.7, 1.2, 1.7}, 0}, kCabinet);
   builder.add_box({{about(4.6, 0.1), about(-1.9, 0.1), 0}, {0.6, 0.6, 1.1}, about(0.3, 0.2)},

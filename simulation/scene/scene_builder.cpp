@@ -23,11 +23,11 @@ std::shared_ptr<const GroundTexture> SceneBuilder::paint(double width_m, double 
   };
   const std::uint64_t seed = Random(seed_, ++painted_).bits();
   return std::make_shared<GroundTexture>(
-      surface_picture(material.style, texels(width_m), texels(height_m), seed), material.texel_m);
+      surface_image(material.style, texels(width_m), texels(height_m), seed), material.texel_m);
 }
 
-void SceneBuilder::add_upright(const Eigen::Vector3d& foot, double faces_rad, double width_m,
-                               double height_m, const Material& material) {
+void SceneBuilder::add_vertical_patch(const Eigen::Vector3d& foot, double faces_rad, double width_m,
+                                      double height_m, const Material& material) {
   // who looks at it has its right where z x facing points
   const Eigen::Vector3d right = towards(faces_rad + std::numbers::pi / 2);
   add({.corner_in_world_m = foot + height_m * Eigen::Vector3d::UnitZ() - 0.5 * width_m * right,
@@ -56,7 +56,7 @@ void SceneBuilder::add_box(const Box& box, const Material& material) {
     const bool end = side % 2 == 0;
     const Eigen::Vector3d foot =
         box.foot_in_world_m + 0.5 * (end ? length_m : width_m) * towards(faces_rad);
-    add_upright(foot, faces_rad, end ? width_m : length_m, height_m, material);
+    add_vertical_patch(foot, faces_rad, end ? width_m : length_m, height_m, material);
   }
   const Eigen::Vector3d top = box.foot_in_world_m + height_m * Eigen::Vector3d::UnitZ();
   add_level(top, box.heading_rad, length_m, width_m, true, material);

@@ -30,7 +30,7 @@ TEST(HoverEstimates, FiguresOfKnownErrors) {
   EXPECT_NE(hover_estimate_line(found).find("available 75.0 %"), std::string::npos);
 }
 
-TEST(HoverEstimates, WithoutMetresOrPicturesThereIsNoFigure) {
+TEST(HoverEstimates, WithoutMetresOrImagesThereIsNoFigure) {
   TrialRecord reference;
   reference.estimate_errors.resize(2);
   reference.estimate_errors[1].verdict = Verdict::gated;

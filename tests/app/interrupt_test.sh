@@ -1,6 +1,6 @@
 #!/bin/sh
 # Ctrl-C in the middle of a run: status 130, what was estimated is written, nothing half is left.
-# The source is a data set's pictures over and over, so that no machine is done before the signal.
+# The source is a data set's images over and over, so that no machine is done before the signal.
 # usage: interrupt_test.sh STILLKITE run|compare EUROC_DATA_SET OUT
 stillkite=$1 subcommand=$2 dataset=$3 out=$4
 rm -rf "$out" "$out.source"

@@ -69,7 +69,7 @@ TEST_F(HoverReportInBrowser, survives_hostile_text_and_numbers_that_are_none) {
   trial.samples[7].station_in_world_m.setConstant(kNaN);
   trial.samples[8].yaw_deg = kNaN;
   trial.samples[9].t_s = kNaN;
-  trial.pictures[0].jpeg = {1, 2, 3};
+  trial.images[0].jpeg = {1, 2, 3};
   for (HoverReportSample& sample : trials.trials[1].samples) sample = {.t_s = kNaN};
   trials.trials[2].samples.clear();
   const std::string dom =
@@ -95,13 +95,13 @@ TEST_F(HoverReportInBrowser, replays_a_trial) {
     $('scrub').dispatchEvent(new Event('input'));
     root.scrubbed = $('readings').textContent;
     root.decided = $('decision').textContent;
-    const before = $('picture').src;
+    const before = $('image').src;
     $('replay_speed').value = '2';
     $('replay_speed').dispatchEvent(new Event('change'));
     $('play').click();
     next(1000); next(1500);
     root.played = $('scrub').value;
-    root.another = before !== $('picture').src && before.startsWith('data:image/jpeg;base64,/9j');
+    root.another = before !== $('image').src && before.startsWith('data:image/jpeg;base64,/9j');
     $('play').click();
     next(9000);
     root.paused = $('scrub').value;

@@ -66,13 +66,13 @@ TEST(DisplacementHeat, lies_in_the_upright_plane_of_the_set) {
 TEST(HoverReport, stays_below_3_MB) {
   SyntheticTrials trials = synthetic_trials();
   EXPECT_LT(page_size(trials), 3'000'000U);
-  // five times as many, three times as long, every one with large pictures
+  // five times as many, three times as long, every one with large images
   for (HoverReportTrial& trial : trials.trials) {
     const std::vector<HoverReportSample> samples = trial.samples;
     for (int i = 0; i < 2; ++i) {
       trial.samples.insert(trial.samples.end(), samples.begin(), samples.end());
     }
-    trial.pictures.assign(100, {0, std::vector<std::uint8_t>(20'000)});
+    trial.images.assign(100, {0, std::vector<std::uint8_t>(20'000)});
   }
   const std::vector<HoverReportTrial> once = trials.trials;
   for (int i = 0; i < 4; ++i) {

@@ -32,7 +32,7 @@ Eigen::Vector3d in_world(const Eigen::Vector3d& paper) {
 }
 
 /// A wall with a window, shifted as the drone moves.
-std::vector<std::uint8_t> picture(const Eigen::Vector3d& displacement_m, double yaw_rad) {
+std::vector<std::uint8_t> image(const Eigen::Vector3d& displacement_m, double yaw_rad) {
   cv::Mat image(96, 160, CV_8UC3);
   const int dx = static_cast<int>(std::lround(30 * displacement_m.x() + 100 * yaw_rad));
   const int dy = static_cast<int>(std::lround(30 * displacement_m.y()));
@@ -95,7 +95,7 @@ HoverReportTrial trial_of(int axis, bool stabilized, int number) {
     }
     trial.samples.push_back(sample);
     if (stabilized && number == 3 * axis + 1 && i % 6 == 0) {
-      trial.pictures.push_back({t_s, picture(displacement_m, yaw_rad)});
+      trial.images.push_back({t_s, image(displacement_m, yaw_rad)});
     }
   }
   return trial;

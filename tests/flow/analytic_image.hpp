@@ -8,7 +8,7 @@
 
 namespace stillkite {
 
-/// A picture known at every real point: waves of 9 to 60 px in eight directions, grey 128 +- 100.
+/// An image known at every real point: waves of 9 to 60 px in eight directions, grey 128 +- 100.
 inline double analytic_grey(const Eigen::Vector2d& p) {
   double grey = 128;
   for (int k = 0; k < 8; ++k) {
@@ -19,7 +19,7 @@ inline double analytic_grey(const Eigen::Vector2d& p) {
   return grey;
 }
 
-/// The analytic picture as seen after each of its points p has moved to motion * p.
+/// The analytic image as seen after each of its points p has moved to motion * p.
 inline cv::Mat analytic_frame(cv::Size size, const Eigen::Affine2d& motion, double brighter = 0) {
   const Eigen::Affine2d back = motion.inverse();
   cv::Mat frame(size, CV_8UC1);

@@ -17,7 +17,7 @@ Eigen::Affine2d shift(double x, double y) {
   return Eigen::Affine2d(Eigen::Translation2d(x, y));
 }
 
-// Turn and growth about the middle of the picture, then a shift.
+// Turn and growth about the middle of the image, then a shift.
 Eigen::Affine2d turn_and_grow(double turn_rad, double growth, double x, double y) {
   const Eigen::Vector2d middle(165, 121);
   return shift(x, y) * Eigen::Translation2d(middle) * Eigen::Rotation2Dd(turn_rad) *
@@ -96,7 +96,7 @@ TEST(dense_lucas_kanade, an_edge_has_information_only_where_it_bends) {
   EXPECT_EQ(information.at<float>(200, 300), 0);
 }
 
-TEST(dense_lucas_kanade, what_leaves_the_picture_takes_the_motion_of_its_neighbours) {
+TEST(dense_lucas_kanade, what_leaves_the_image_takes_the_motion_of_its_neighbours) {
   DenseLucasKanade flow({});
   const auto motion = shift(6, 4);
   const auto& field = flow(analytic_frame(kSize, shift(0, 0)), analytic_frame(kSize, motion));

@@ -54,7 +54,7 @@ TEST(FeatureTracker, FindsNoFeatureBehindAMask) {
   const FeatureTracks all = tracker.track(current);
   cv::Mat shows_world(kSize, CV_8U, cv::Scalar(255));
   shows_world.colRange(150, 250) = 0;
-  tracker.set_mask(std::make_shared<const PictureMask>(shows_world));
+  tracker.set_mask(std::make_shared<const ImageMask>(shows_world));
   const FeatureTracks masked = tracker.track(current);
   const auto is_behind = [](const Eigen::Vector2f& at_px) {
     return at_px.x() > 145 && at_px.x() < 255;
@@ -112,11 +112,11 @@ double chi_square(const FeatureTracks& tracks, const Eigen::Affine2d& motion) {
 TEST(FeatureTracker, SaysHowFarItIsOffInNoise) {
   const Eigen::Affine2d motion = motion_about_middle(0, 1, {3.3, -1.7});
   cv::RNG random(11);
-  const auto noisy = [&](cv::Mat picture, double noise_grey) {
+  const auto noisy = [&](cv::Mat image, double noise_grey) {
     cv::Mat noise(kSize, CV_32F);
     random.fill(noise, cv::RNG::NORMAL, 0, noise_grey);
-    cv::add(picture, noise, picture, cv::noArray(), CV_8U);
-    return picture;
+    cv::add(image, noise, image, cv::noArray(), CV_8U);
+    return image;
   };
   const cv::Mat clean = analytic_frame(kSize, Eigen::Affine2d::Identity());
   const std::vector<cv::Point2f> features = corners(clean);
@@ -137,11 +137,11 @@ TEST(FeatureTracker, IsNoSurerWhereItSeesNoNoise) {
   const auto median_trace_beyond = [&](double noise_grey) {
     cv::RNG random(12);
     const auto noisy = [&] {
-      cv::Mat picture = clean.clone();
+      cv::Mat image = clean.clone();
       cv::Mat noise(noisy_part.size(), CV_32F);
       random.fill(noise, cv::RNG::NORMAL, 0, noise_grey);
-      cv::add(picture(noisy_part), noise, picture(noisy_part), cv::noArray(), CV_8U);
-      return picture;
+      cv::add(image(noisy_part), noise, image(noisy_part), cv::noArray(), CV_8U);
+      return image;
     };
     FeatureTracker tracker({});
     tracker.set_reference(noisy(), corners(clean));
@@ -166,7 +166,7 @@ TEST(FeatureTracker, IsLessSureWhereAWindowLiesOverTwoDepths) {
     return x - 2 * kStrip_px * std::floor(x / (2 * kStrip_px));
   };
   cv::RNG random(13);
-  const auto picture = [&](const Eigen::Vector2d& ground_at, const Eigen::Vector2d& strips_at) {
+  const auto image = [&](const Eigen::Vector2d& ground_at, const Eigen::Vector2d& strips_at) {
     const auto grey_at = [](const Eigen::Vector2d& shift) {
       return analytic_frame(kSize, Eigen::Affine2d(Eigen::Translation2d(shift)));
     };
@@ -185,10 +185,10 @@ TEST(FeatureTracker, IsLessSureWhereAWindowLiesOverTwoDepths) {
     }
     return out;
   };
-  const cv::Mat reference = picture({0, 0}, {0, 0});
+  const cv::Mat reference = image({0, 0}, {0, 0});
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
-  const FeatureTracks& tracks = tracker.track(picture(ground_px, strips_px));
+  const FeatureTracks& tracks = tracker.track(image(ground_px, strips_px));
   std::vector<double> at_edges;
   std::vector<double> elsewhere;
   for (std::size_t i = 0; i < tracks.found.size(); ++i) {

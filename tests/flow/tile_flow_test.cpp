@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSide_px = 64;
 
-cv::Mat picture(double phase) {
+cv::Mat image(double phase) {
   cv::Mat image(kSide_px, kSide_px, CV_8UC1);
   for (int y = 0; y < kSide_px; ++y) {
     for (int x = 0; x < kSide_px; ++x) {
@@ -45,12 +45,12 @@ TileTextures unknown(const TileGrid& grid) {
 class KnownTexture : public testing::TestWithParam<TileWarp> {};
 
 TEST_P(KnownTexture, says_what_a_fresh_one_says) {
-  const cv::Mat reference = picture(0), current = picture(0.1);
+  const cv::Mat reference = image(0), current = image(0.1);
   for (const int columns : {16, 32}) {
     const TileGrid grid = make_tile_grid(kSide_px, kSide_px, columns, 16);
     TileTextures kept = unknown(grid);
     TileFlow flow;
-    // tiles that were off the picture at first are learnt when they are on it
+    // tiles that were off the image at first are learnt when they are on it
     for (const float dx : {40.0F, 0.3F, -0.4F}) {
       const TilePlacement placement = placed(grid, dx, 0.2F, 0.01F);
       const TileMeasurements again =
@@ -98,7 +98,7 @@ TEST(TileFlow, structure_tensor_of_a_wave_and_the_step_across_it) {
 class FineTexture : public testing::TestWithParam<TileWarp> {};
 
 // Interpolation that moves waves of some five pixels by less than it is asked to makes all windows
-// of a picture err alike, towards half pixels.
+// of an image err alike, towards half pixels.
 TEST_P(FineTexture, moves_by_parts_of_a_pixel_as_coarse_texture_does) {
   const auto moved = [](const cv::Point2d& by_px) {
     cv::Mat image(kSide_px, kSide_px, CV_8UC1);
@@ -138,8 +138,8 @@ struct Warp {
 
 class DeformedTile : public testing::TestWithParam<Warp> {};
 
-// The current picture is the reference's texture deformed as the placement says: what is left is
-// the rounding of both to whole grey levels. Also where the tiles come near the picture's border.
+// The current image is the reference's texture deformed as the placement says: what is left is
+// the rounding of both to whole grey levels. Also where the tiles come near the image's border.
 TEST_P(DeformedTile, is_warped_as_the_placement_says) {
   constexpr double kMiddle_px = 0.5 * (kSide_px - 1);
   const Warp& a = GetParam();

@@ -36,7 +36,7 @@ double position_nees(const NavigationEstimate& e, const RigidTransform& truth) {
 struct Fault {
   const char* name;
   std::function<cv::Mat(const cv::Mat&)> spoil;
-  bool pairs_may_align = false;  // two such pictures show their motion to each other
+  bool pairs_may_align = false;  // two such images show their motion to each other
   bool may_align = false;        // a new keyframe among them does
 };
 
@@ -121,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(Navigator, BadFrames,
 
 class BadTimes : public testing::TestWithParam<Mode> {};
 
-TEST_P(BadTimes, FrozenPictureMeasuresNothing) {
+TEST_P(BadTimes, FrozenImageMeasuresNothing) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator({}, GetParam());
   double variance = 0;
@@ -170,7 +170,7 @@ TEST_P(BadTimes, NothingIsIntegratedAcrossALongGap) {
   }
 }
 
-TEST_P(BadTimes, PictureOfAnotherSizeIsAnInputError) {
+TEST_P(BadTimes, ImageOfAnotherSizeIsAnInputError) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator({}, GetParam());
   Frame small = flight.frames[0];
@@ -182,7 +182,7 @@ INSTANTIATE_TEST_SUITE_P(Navigator, BadTimes, testing::Values(Mode::paper, Mode:
                          [](const auto& mode) { return std::string(name_of(mode.param)); });
 
 // What the next one must move by at least a fifth of, also right after a new keyframe.
-TEST(BadFrame, PictureSpeedAfterFrozenPicturesIsThatOfAllTheirWay) {
+TEST(BadFrame, ImageSpeedAfterFrozenImagesIsThatOfAllTheirWay) {
   const auto& flight = rendered_flight();
   bool has_renewed = false;
   for (std::size_t first = 12; first < 36; ++first) {
@@ -195,12 +195,12 @@ TEST(BadFrame, PictureSpeedAfterFrozenPicturesIsThatOfAllTheirWay) {
       if (i + 1 == first) before = after;
     }
     has_renewed = has_renewed || before.new_keyframe;
-    EXPECT_NEAR(after.picture_speed_px_s / before.picture_speed_px_s, 3, 0.5) << first;
+    EXPECT_NEAR(after.image_speed_px_s / before.image_speed_px_s, 3, 0.5) << first;
   }
   EXPECT_TRUE(has_renewed);
 }
 
-// A recording that has lost pictures, and whose stamps do not tell: the camera leaps by 2.4 m.
+// A recording that has lost images, and whose stamps do not tell: the camera leaps by 2.4 m.
 TEST(BadFrame, LeapIsNoSpeed) {
   const auto& flight = rendered_flight();
   constexpr std::size_t kCut = 30;
@@ -226,8 +226,8 @@ TEST(BadFrame, LeapIsNoSpeed) {
   }
 }
 
-// Whatever the motion before: the sums over a bare picture leave nothing but their rounding.
-TEST(BadFrame, ABarePictureIsNoAnswerWheneverItComes) {
+// Whatever the motion before: the sums over a bare image leave nothing but their rounding.
+TEST(BadFrame, ABareImageIsNoAnswerWheneverItComes) {
   const auto& flight = rendered_flight();
   for (const Policy policy : {Policy::flow, Policy::reference}) {
     for (const double grey : {0.0, 77.0, 255.0}) {
@@ -248,7 +248,7 @@ TEST(BadFrame, ABarePictureIsNoAnswerWheneverItComes) {
   }
 }
 
-TEST(BadFrame, BareFirstPictureIsReplacedByTheNext) {
+TEST(BadFrame, BareFirstImageIsReplacedByTheNext) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator();
   Frame black = flight.frames[0];
@@ -304,7 +304,7 @@ TEST(BadFrame, CoveredCameraFindsItsWayBack) {
   }
 }
 
-// After a second and a half of the same picture, a third of it further on.
+// After a second and a half of the same image, a third of it further on.
 TEST(BadFrame, FarKeyframeIsFoundAgainWhereItIs) {
   double nees = 0;
   int found = 0;

@@ -89,12 +89,12 @@ class SwayInRoom {
   }
 
   NavigationEstimate step(bool is_covered = false) {
-    cv::Mat picture = cv::Mat::zeros(240, 400, CV_8UC1);
+    cv::Mat image = cv::Mat::zeros(240, 400, CV_8UC1);
     if (!is_covered) {
-      picture = develop(renderer_.render(scene_, pose(index_) * mount_), {.noise_grey = 1.5},
-                        static_cast<std::uint64_t>(index_));
+      image = develop(renderer_.render(scene_, pose(index_) * mount_), {.noise_grey = 1.5},
+                      static_cast<std::uint64_t>(index_));
     }
-    const Frame frame{.stamp = from_seconds(index_ / 30.0), .index = index_, .grey = picture};
+    const Frame frame{.stamp = from_seconds(index_ / 30.0), .index = index_, .grey = image};
     ++index_;
     return navigator_.step(frame);
   }

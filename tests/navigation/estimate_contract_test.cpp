@@ -11,7 +11,7 @@
 #include "tests/navigation/estimate_error.hpp"
 #include "tests/navigation/known_flight.hpp"
 
-// One contract for all estimators: whoever looks at the pictures, the controller is told the same
+// One contract for all estimators: whoever looks at the images, the controller is told the same
 // motion in the same frame, sign and unit, or the status that docs/choice.md names.
 
 namespace stillkite {
@@ -130,7 +130,7 @@ TEST_P(EstimateContract, APureTurnIsNoWay) {
 
 struct Blindness {
   const char* name;
-  std::function<cv::Mat(const cv::Mat& last, int index)> picture;
+  std::function<cv::Mat(const cv::Mat& last, int index)> image;
 };
 const Blindness kBlindness[] = {
     {"black",
@@ -154,7 +154,7 @@ TEST_P(EstimateContract, TooLittleToSeeHasItsStatusAndAGrowingCovariance) {
     for (int i = kLast + 1; i <= kLast + 5; ++i) {
       SCOPED_TRACE(i);
       const MotionEstimate answer =
-          estimator.step(KnownFlight::framed(blindness.picture(last, i), i));
+          estimator.step(KnownFlight::framed(blindness.image(last, i), i));
       expect_numbers(answer);
       EXPECT_EQ(answer.status, promise.blind);
       EXPECT_EQ(answer.source, promise.source);

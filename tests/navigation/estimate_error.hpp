@@ -31,8 +31,8 @@ inline const KnownMotion kMotions[] = {{.name = "right", .way_in_reference_m = {
                                         .way_in_reference_m = {-kWay_m, 0, 0},
                                         .turn_in_reference_rad = {0, 0, kTurn_rad}}};
 
-// What may be off where all is well. All of a picture: by half a pixel since the reference, of the
-// focal length a turn, of the picture's shift by the way (0.4 m at 3.7 m: 26 px) a direction or a
+// What may be off where all is well. All of an image: by half a pixel since the reference, of the
+// focal length a turn, of the image's shift by the way (0.4 m at 3.7 m: 26 px) a direction or a
 // length. From one frame to the next: by a fifth of a pixel, 30 times a second.
 struct Tolerance {
   double rotation_rad = 0.5 / 240;

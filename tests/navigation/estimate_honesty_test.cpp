@@ -27,15 +27,15 @@ bool has_way(const MotionEstimate& answer) {
          answer.displacement_kind == DisplacementKind::direction;
 }
 
-// The lower 40 % of the picture: blocks of 40x32 px, in each of which something else runs by, one
+// The lower 40 % of the image: blocks of 40x32 px, in each of which something else runs by, one
 // to three pixels a frame to either side and up or down.
-cv::Mat with_crowd(const cv::Mat& picture, int index) {
+cv::Mat with_crowd(const cv::Mat& image, int index) {
   static const cv::Mat crowd = procedural_ground(600, 500, 2);
   constexpr int kWidth_px = 40;
   constexpr int kHeight_px = 32;
-  cv::Mat out = picture.clone();
-  for (int top = picture.rows * 6 / 10; top < picture.rows; top += kHeight_px) {
-    for (int left = 0; left < picture.cols; left += kWidth_px) {
+  cv::Mat out = image.clone();
+  for (int top = image.rows * 6 / 10; top < image.rows; top += kHeight_px) {
+    for (int left = 0; left < image.cols; left += kWidth_px) {
       Random random(static_cast<std::uint64_t>(top), static_cast<std::uint64_t>(left));
       const auto run = [&random] {
         const int speed_px = 1 + static_cast<int>(3 * random.uniform());

@@ -13,7 +13,7 @@ namespace {
 
 struct FastFlight {
   int width_px, height_px;
-  double flow_px;  // from frame to frame, at the picture's middle
+  double flow_px;  // from frame to frame, at the image's middle
   double tilt_deg = 0;
   const char* photograph = nullptr;
 };
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(Navigator, FastStart,
                                          FastFlight{640, 480, 70, 0, "field_weak_texture.jpg"}));
 
 // A search takes several times as long as an alignment: where the flow is of no use it is left out.
-TEST(KeyframeNavigator, SearchesAPictureOnlyWhereItMay) {
+TEST(KeyframeNavigator, SearchesAImageOnlyWhereItMay) {
   const test::RenderedFlight flight = test::film(config_of({320, 240, 70}));
   for (const bool may_search : {true, false}) {
     KeyframeNavigator navigator(flight.record.camera, flight.record.body_from_camera, {},

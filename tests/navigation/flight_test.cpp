@@ -52,7 +52,7 @@ TEST_P(EveryMode, CameraDoesNotCareAboutItsMount) {
   EXPECT_LT(angle_between_rad(a.rotation, b.rotation), allowed);
 }
 
-// From pictures alone lengths are in heights.
+// From images alone lengths are in heights.
 TEST_P(EveryMode, TwiceTheHeightIsTwiceTheWay) {
   const auto& flight = rendered_flight();
   InitialState high = flight.start();

@@ -13,12 +13,12 @@ using test::rendered_flight;
 
 constexpr double kFast_px_s = 100;  // 4 px a frame
 
-// As a video codec leaves a picture that it is sent again.
-cv::Mat coded_again(const cv::Mat& picture, cv::RNG& random) {
-  cv::Mat change(picture.size(), CV_8SC1);
+// As a video codec leaves an image that it is sent again.
+cv::Mat coded_again(const cv::Mat& image, cv::RNG& random) {
+  cv::Mat change(image.size(), CV_8SC1);
   random.fill(change, cv::RNG::NORMAL, 0, 0.4);
   cv::Mat out;
-  cv::add(picture, change, out, {}, CV_8U);
+  cv::add(image, change, out, {}, CV_8U);
   return out;
 }
 
@@ -26,14 +26,14 @@ Frame frame_of(int i, const cv::Mat& grey) {
   return {from_seconds(0.04 * i), i, grey};
 }
 
-TEST(FrameClock, PictureCodedAgainIsFrozenWhereItMustHaveMoved) {
-  const cv::Mat picture = rendered_flight().frames[0].grey;
+TEST(FrameClock, ImageCodedAgainIsFrozenWhereItMustHaveMoved) {
+  const cv::Mat image = rendered_flight().frames[0].grey;
   cv::RNG random(1);
   FrameClock clock(1);
-  (void)clock.pass(frame_of(0, picture));
-  EXPECT_FALSE(clock.pass(frame_of(1, coded_again(picture, random))).spoiled) << "no speed known";
-  EXPECT_FALSE(clock.pass(frame_of(2, coded_again(picture, random)), 20).spoiled) << "0.8 px";
-  EXPECT_EQ(clock.pass(frame_of(3, coded_again(picture, random)), kFast_px_s).spoiled,
+  (void)clock.pass(frame_of(0, image));
+  EXPECT_FALSE(clock.pass(frame_of(1, coded_again(image, random))).spoiled) << "no speed known";
+  EXPECT_FALSE(clock.pass(frame_of(2, coded_again(image, random)), 20).spoiled) << "0.8 px";
+  EXPECT_EQ(clock.pass(frame_of(3, coded_again(image, random)), kFast_px_s).spoiled,
             Verdict::frozen);
 }
 
@@ -51,7 +51,7 @@ TEST(FrameClock, ItStaysFrozenUntilItMoves) {
   EXPECT_FALSE(clock.pass(frame_of(51, coded_again(frames[1].grey, random))).spoiled);
 }
 
-TEST(FrameClock, PicturesThatMoveAreNotFrozenHoweverFastTheyShould) {
+TEST(FrameClock, ImagesThatMoveAreNotFrozenHoweverFastTheyShould) {
   const auto& frames = rendered_flight().frames;
   FrameClock clock(1);
   (void)clock.pass(frames[0]);
@@ -64,8 +64,8 @@ TEST(FrameClock, PicturesThatMoveAreNotFrozenHoweverFastTheyShould) {
   }
 }
 
-// A camera of eight pictures a second in a video of 25.
-TEST(FrameClock, FilmOfAThirdOfItsPicturesIsFlown) {
+// A camera of eight images a second in a video of 25.
+TEST(FrameClock, FilmOfAThirdOfItsImagesIsFlown) {
   SimulationConfig config = test::small_flight(1);
   config.flight.duration_s = 4;
   const test::RenderedFlight flight = test::film(config);

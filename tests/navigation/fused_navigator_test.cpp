@@ -49,7 +49,7 @@ struct Sway {
   }
 };
 
-/// The pictures of the sway, with the readings of the IMU before each.
+/// The images of the sway, with the readings of the IMU before each.
 class FusedFlight {
  public:
   explicit FusedFlight(double known_height_m = 3, Policy policy = Policy::fused,
@@ -62,7 +62,7 @@ class FusedFlight {
                     .scale = scale},
                    {.policy = policy}) {}
 
-  NavigationEstimate step(const cv::Mat& picture, const InertialReading& bad = {}) {
+  NavigationEstimate step(const cv::Mat& image, const InertialReading& bad = {}) {
     SensorReadings readings;
     if (!bad.specific_force_in_body_m_s2.isZero()) readings.inertial.push_back(bad);
     readings.attitude = Sway::pose(time_s()).rotation;
@@ -74,13 +74,13 @@ class FusedFlight {
       readings.inertial.push_back(reading);
     }
     const NavigationEstimate estimate = navigator_.step(
-        {.stamp = from_seconds(time_s()), .index = index_, .grey = picture}, readings);
+        {.stamp = from_seconds(time_s()), .index = index_, .grey = image}, readings);
     ++index_;
     return estimate;
   }
-  NavigationEstimate step() { return step(picture()); }
+  NavigationEstimate step() { return step(image()); }
   /// Of the next frame.
-  [[nodiscard]] cv::Mat picture() const {
+  [[nodiscard]] cv::Mat image() const {
     return develop(renderer_.render(scene_, Sway::pose(time_s()) * kForwardMount),
                    {.noise_grey = 1.5}, static_cast<std::uint64_t>(index_));
   }
@@ -189,7 +189,7 @@ TEST(FusedNavigator, LeavesOutReadingsThatAreNoNumbers) {
     const InertialReading bad{.stamp = from_seconds(flight.time_s() - 0.02),
                               .angular_rate_in_body_rad_s = {nan, 0, 0},
                               .specific_force_in_body_m_s2 = {0, nan, 0}};
-    estimate = flight.step(flight.picture(), bad);
+    estimate = flight.step(flight.image(), bad);
     ASSERT_TRUE(estimate.world_from_body.translation.allFinite());
     ASSERT_TRUE(estimate.twist_covariance.allFinite());
   }

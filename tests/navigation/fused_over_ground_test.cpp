@@ -35,21 +35,21 @@ TEST(FusedNavigator, FollowsTheFlowOverFlatGround) {
 
 // Slabs of 24 x 48 texels in bond.
 cv::Mat pavement() {
-  cv::Mat picture(1056, 1056, CV_8UC1, cv::Scalar(150));
-  for (int y = 0; y < picture.rows; ++y) {
-    for (int x = 0; x < picture.cols; ++x) {
+  cv::Mat image(1056, 1056, CV_8UC1, cv::Scalar(150));
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
       const bool is_joint = y % 24 < 3 || (x + y / 24 % 2 * 24) % 48 < 3;
-      if (is_joint) picture.at<uchar>(y, x) = 60;
+      if (is_joint) image.at<uchar>(y, x) = 60;
     }
   }
-  cv::Mat grain(picture.size(), CV_8SC1);
+  cv::Mat grain(image.size(), CV_8SC1);
   cv::RNG random(1);
   random.fill(grain, cv::RNG::NORMAL, 0, 6);
-  cv::add(picture, grain, picture, cv::noArray(), CV_8UC1);
-  return picture;
+  cv::add(image, grain, image, cv::noArray(), CV_8UC1);
+  return image;
 }
 
-// The place that it started from looks like many others, and each picture like itself one slab on.
+// The place that it started from looks like many others, and each image like itself one slab on.
 TEST(Pavement, IsFollowedSlabBySlab) {
   SimulationConfig config = test::small_flight(1);
   config.flight.duration_s = 3;

@@ -111,9 +111,9 @@ TEST(HoverPilot, AKickOfTwentyDegreesIsBelievedAfterThreeStrikes) {
   }
 }
 
-// The picture during the kick shows nothing: what little is found in it is chance, and must not
+// The image during the kick shows nothing: what little is found in it is chance, and must not
 // become the place to hold.
-TEST(HoverPilot, ASmearedPictureIsForgotten) {
+TEST(HoverPilot, ASmearedImageIsForgotten) {
   for (int kick_deg = -20; kick_deg <= 20; kick_deg += 8) {
     ShadowFlight flight;
     for (int i = 0; i < 3; ++i) (void)flight.step(Vector3d::Zero(), 0);

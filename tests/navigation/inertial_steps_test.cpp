@@ -25,7 +25,7 @@ double duration_s(const std::vector<InertialStep>& steps) {
 }
 
 // A camera's stamps are no IMU's: without the last reading the rest would be any motion.
-TEST(InertialSteps, GoOnUpToThePicture) {
+TEST(InertialSteps, GoOnUpToTheImage) {
   const std::vector<InertialStep> steps = steps_of({reading_at(1.05, 1), reading_at(1.095, 2)});
   ASSERT_EQ(steps.size(), 2u);
   EXPECT_NEAR(steps[0].dt_s, 0.05, 1e-9);

@@ -86,7 +86,7 @@ class KnownFlight {
   std::uint64_t seed_;
 };
 
-/// Pictures in, and out what the controller is told, by the way that HoverPilot takes.
+/// Images in, and out what the controller is told, by the way that HoverPilot takes.
 class ContractEstimator {
  public:
   ContractEstimator(Policy policy, const RigidTransform& world_from_body_at_start,

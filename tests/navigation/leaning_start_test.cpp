@@ -20,7 +20,7 @@ TEST_P(LeaningStart, IsToldUprightOnceTheGroundHasShown) {
                       {.policy = GetParam()});
   NavigationEstimate last;
   for (const Frame& frame : flight.frames) last = navigator.step(frame);
-  const NavigationEstimate upright = told_upright(last);
+  const NavigationEstimate upright = gravity_aligned(last);
   const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
   EXPECT_LT(angle_between_rad(upright.world_from_body.rotation, truth.rotation), 0.005);
   EXPECT_LT((upright.world_from_body.translation - truth.translation).norm(), 0.3);
@@ -46,9 +46,9 @@ TEST(LeaningStartOfTheFusion, IsKeptAsItWasGiven) {
   EXPECT_LT(angle_between_rad(first.world_from_body.rotation, start.world_from_body.rotation),
             1e-9);
   ASSERT_TRUE(first.upright);
-  EXPECT_LT(angle_between_rad(first.upright->upright_from_world.rotation, {1, 0, 0, 0}), 1e-9);
+  EXPECT_LT(angle_between_rad(first.upright->aligned_from_world.rotation, {1, 0, 0, 0}), 1e-9);
   EXPECT_NEAR(first.upright->sigma_rad, NavigatorConfig{}.initial_tilt_sigma_rad, 1e-9);
-  EXPECT_FALSE(told_upright(first).upright);
+  EXPECT_FALSE(gravity_aligned(first).upright);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class RoomView {
  public:
   RoomView() : scene_(make_room(5)), renderer_(small_camera(), 2) {}
 
-  [[nodiscard]] cv::Mat picture(const RigidTransform& world_from_body, int seed) const {
+  [[nodiscard]] cv::Mat image(const RigidTransform& world_from_body, int seed) const {
     return develop(renderer_.render(scene_, world_from_body * kMount), {.noise_grey = 1.5}, seed);
   }
 
@@ -44,8 +44,8 @@ RigidTransform at(const Eigen::Vector3d& position_m, double yaw_deg) {
 
 const Eigen::Vector3d kHome(0, 0, 1.8);
 
-Frame frame_of(const cv::Mat& picture, int index) {
-  return {.stamp = from_seconds(index / 30.0), .index = index, .grey = picture};
+Frame frame_of(const cv::Mat& image, int index) {
+  return {.stamp = from_seconds(index / 30.0), .index = index, .grey = image};
 }
 
 Navigator make_reference_navigator(Mode mode = Mode::recommended,
@@ -73,11 +73,11 @@ ReferenceErrors errors_of(const NavigationEstimate& estimate, const RigidTransfo
 
 TEST(ReferenceNavigator, TellsRotationAndDirectionFromAFixedReference) {
   Navigator navigator = make_reference_navigator();
-  EXPECT_EQ(navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0)).verdict,
+  EXPECT_EQ(navigator.step(frame_of(room().image(at(kHome, 0), 0), 0)).verdict,
             Verdict::first_frame);
   for (int i = 1; i <= 10; ++i) {
     const RigidTransform truth = at(kHome + Eigen::Vector3d(0.02, -0.05, 0.03) * i, 0.4 * i);
-    const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, i), i));
+    const NavigationEstimate estimate = navigator.step(frame_of(room().image(truth, i), i));
     ASSERT_EQ(estimate.verdict, Verdict::ok) << i;
     EXPECT_EQ(estimate.scale, ScaleSource::none);
     if (i < 4) continue;
@@ -93,9 +93,9 @@ TEST(ReferenceNavigator, TheHoldPapersChainTellsTheSameLessWell) {
   paper.association = Association::opencv;
   paper.solver = PoseSolver::opencv;
   Navigator navigator = make_reference_navigator(Mode::paper, paper);
-  (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
+  (void)navigator.step(frame_of(room().image(at(kHome, 0), 0), 0));
   const RigidTransform truth = at(kHome + Eigen::Vector3d(0.2, -0.4, 0.1), 2);
-  const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, 1), 1));
+  const NavigationEstimate estimate = navigator.step(frame_of(room().image(truth, 1), 1));
   ASSERT_EQ(estimate.verdict, Verdict::ok);
   EXPECT_LT(errors_of(estimate, truth).rotation_deg, 2);
   EXPECT_LT(errors_of(estimate, truth).direction_deg, 20);
@@ -104,8 +104,7 @@ TEST(ReferenceNavigator, TheHoldPapersChainTellsTheSameLessWell) {
 TEST(ReferenceNavigator, ACameraThatStandsStillHasGoneNowhere) {
   Navigator navigator = make_reference_navigator();
   for (int i = 0; i < 8; ++i) {
-    const NavigationEstimate estimate =
-        navigator.step(frame_of(room().picture(at(kHome, 0), i), i));
+    const NavigationEstimate estimate = navigator.step(frame_of(room().image(at(kHome, 0), i), i));
     if (i == 0) continue;
     EXPECT_EQ(estimate.verdict, Verdict::ok) << i;
     EXPECT_EQ(estimate.reference->motion.displacement_kind, DisplacementKind::zero) << i;
@@ -117,7 +116,7 @@ TEST(ReferenceNavigator, ATurnOnTheSpotIsNoWay) {
   Navigator navigator = make_reference_navigator();
   for (int i = 0; i < 6; ++i) {
     const RigidTransform truth = at(kHome, 1.5 * i);
-    const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, i), i));
+    const NavigationEstimate estimate = navigator.step(frame_of(room().image(truth, i), i));
     if (i == 0) continue;
     ASSERT_EQ(estimate.verdict, Verdict::ok) << i;
     EXPECT_LT(errors_of(estimate, truth).rotation_deg, 0.2) << i;
@@ -127,25 +126,24 @@ TEST(ReferenceNavigator, ATurnOnTheSpotIsNoWay) {
 
 TEST(ReferenceNavigator, AJumpIsRejectedThreeTimes) {
   Navigator navigator = make_reference_navigator();
-  (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
-  (void)navigator.step(frame_of(room().picture(at(kHome, 0.2), 1), 1));
+  (void)navigator.step(frame_of(room().image(at(kHome, 0), 0), 0));
+  (void)navigator.step(frame_of(room().image(at(kHome, 0.2), 1), 1));
   for (int i = 2; i < 8; ++i) {
-    const NavigationEstimate estimate =
-        navigator.step(frame_of(room().picture(at(kHome, 9), i), i));
+    const NavigationEstimate estimate = navigator.step(frame_of(room().image(at(kHome, 9), i), i));
     EXPECT_EQ(estimate.verdict, i < 5 ? Verdict::gated : Verdict::ok) << i;
   }
 }
 
 TEST(ReferenceNavigator, SeesHomeAgainAfterTheCameraWasCovered) {
   Navigator navigator = make_reference_navigator();
-  (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
+  (void)navigator.step(frame_of(room().image(at(kHome, 0), 0), 0));
   double covered_sigma = 0;
   for (int i = 1; i < 30; ++i) {
     const bool is_covered = i >= 8 && i < 25;
-    const cv::Mat picture =
-        is_covered ? cv::Mat(240, 400, CV_8UC1, cv::Scalar(i))
-                   : room().picture(at(kHome + i * 0.01 * kHome.unitOrthogonal(), 0), i);
-    const NavigationEstimate estimate = navigator.step(frame_of(picture, i));
+    const cv::Mat image = is_covered
+                              ? cv::Mat(240, 400, CV_8UC1, cv::Scalar(i))
+                              : room().image(at(kHome + i * 0.01 * kHome.unitOrthogonal(), 0), i);
+    const NavigationEstimate estimate = navigator.step(frame_of(image, i));
     ASSERT_TRUE(estimate.pose_covariance.allFinite());
     EXPECT_EQ(estimate.verdict == Verdict::ok, !is_covered) << i;
     if (is_covered) {
@@ -153,7 +151,7 @@ TEST(ReferenceNavigator, SeesHomeAgainAfterTheCameraWasCovered) {
       EXPECT_GT(estimate.pose_covariance(5, 5), covered_sigma);
       covered_sigma = estimate.pose_covariance(5, 5);
     } else {
-      EXPECT_TRUE(estimate.reference->is_home);
+      EXPECT_TRUE(estimate.reference->on_first_reference);
     }
   }
 }
@@ -164,11 +162,11 @@ TEST(ReferenceNavigator, CarriesRotationToANewReference) {
   Navigator navigator = make_reference_navigator(Mode::recommended, config);
   for (int i = 0; i <= 12; ++i) {
     const RigidTransform truth = at(kHome + Eigen::Vector3d(0, 0.03, 0.01) * i, 1.0 * i);
-    const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, i), i));
+    const NavigationEstimate estimate = navigator.step(frame_of(room().image(truth, i), i));
     EXPECT_LT(angle_between_rad(estimate.world_from_body.rotation, truth.rotation) / kDegree, 0.3)
         << i;
     EXPECT_EQ(estimate.reference->new_reference, i % 3 == 0) << i;
-    EXPECT_EQ(estimate.reference->is_home, i <= 3) << i;
+    EXPECT_EQ(estimate.reference->on_first_reference, i <= 3) << i;
   }
 }
 
@@ -183,7 +181,7 @@ TEST(ReferenceNavigator, TakesANewReferenceWhenAShareOfItsFeaturesIsLeft) {
   int renewed_at = 0;
   for (int i = 0; i <= 20 && renewed_at == 0; ++i) {
     const RigidTransform truth = at(kHome, 1.5 * i);
-    const Frame frame = frame_of(room().picture(truth, i), i);
+    const Frame frame = frame_of(room().image(truth, i), i);
     const NavigationEstimate estimate = early.step(frame);
     const int features = estimate.reference->features;
     most = std::max(most, features);
@@ -195,60 +193,59 @@ TEST(ReferenceNavigator, TakesANewReferenceWhenAShareOfItsFeaturesIsLeft) {
   ASSERT_GT(renewed_at, 3);
   for (int i = renewed_at + 1; i <= renewed_at + 3; ++i) {
     const RigidTransform truth = at(kHome, 1.5 * i);
-    const NavigationEstimate estimate = early.step(frame_of(room().picture(truth, i), i));
-    EXPECT_FALSE(estimate.reference->is_home);
+    const NavigationEstimate estimate = early.step(frame_of(room().image(truth, i), i));
+    EXPECT_FALSE(estimate.reference->on_first_reference);
     EXPECT_EQ(estimate.verdict, Verdict::ok);
     EXPECT_LT(angle_between_rad(estimate.world_from_body.rotation, truth.rotation), 0.1 * kDegree);
   }
 }
 
-// 60 degrees to the left, where nothing of the first picture is in view, and back.
+// 60 degrees to the left, where nothing of the first image is in view, and back.
 TEST(ReferenceNavigator, GoesBackToTheFirstReferenceWhenItIsSeenAgain) {
   Navigator navigator = make_reference_navigator();
   int back_at = -1;
   for (int i = 0; i <= 60; ++i) {
     const double yaw_deg = 3.0 * std::clamp(30 - std::abs(i - 25), 5, 25) - 15;
     const RigidTransform truth = at(kHome + Eigen::Vector3d(0, 0.002, 0) * i, yaw_deg);
-    const NavigationEstimate estimate = navigator.step(frame_of(room().picture(truth, i), i));
+    const NavigationEstimate estimate = navigator.step(frame_of(room().image(truth, i), i));
     const ReferenceReport& reference = *estimate.reference;
-    EXPECT_TRUE(i != 25 || !reference.is_home);
-    if (reference.is_back) back_at = i;
+    EXPECT_TRUE(i != 25 || !reference.on_first_reference);
+    if (reference.relocalized) back_at = i;
     if (i < 50) continue;
     ASSERT_EQ(estimate.verdict, Verdict::ok) << i;
-    EXPECT_TRUE(reference.is_home) << i;
+    EXPECT_TRUE(reference.on_first_reference) << i;
     EXPECT_LT(errors_of(estimate, truth).rotation_deg, 0.2) << i;
     EXPECT_LT(estimate.twist_in_camera.angular_rate_rad_s.norm(), 4 * kDegree * 30) << i;
   }
   EXPECT_GT(back_at, 30);
 }
 
-TEST(ReferenceNavigator, NoiseOfADarkPictureIsNoReference) {
+TEST(ReferenceNavigator, NoiseOfADarkImageIsNoReference) {
   Navigator navigator = make_reference_navigator();
-  (void)navigator.step(frame_of(room().picture(at(kHome, 0), 0), 0));
+  (void)navigator.step(frame_of(room().image(at(kHome, 0), 0), 0));
   for (int i = 1; i < 20; ++i) {
     const cv::Mat dark = develop(cv::Mat(240, 400, CV_32FC1, cv::Scalar(0)), {.noise_grey = 2}, i);
     EXPECT_FALSE(navigator.step(frame_of(dark, i)).reference->new_reference) << i;
   }
 }
 
-TEST(ReferenceNavigator, AFrozenPictureTellsNothing) {
+TEST(ReferenceNavigator, AFrozenImageTellsNothing) {
   Navigator navigator = make_reference_navigator();
-  const cv::Mat picture = room().picture(at(kHome, 0), 0);
-  (void)navigator.step(frame_of(picture, 0));
-  const NavigationEstimate estimate = navigator.step(frame_of(picture.clone(), 1));
+  const cv::Mat image = room().image(at(kHome, 0), 0);
+  (void)navigator.step(frame_of(image, 0));
+  const NavigationEstimate estimate = navigator.step(frame_of(image.clone(), 1));
   EXPECT_EQ(estimate.verdict, Verdict::frozen);
   EXPECT_EQ(estimate.reference->motion.status, EstimateStatus::lost);
 }
 
-TEST(ReferenceNavigator, WaitsForAPictureThatShowsSomething) {
+TEST(ReferenceNavigator, WaitsForAImageThatShowsSomething) {
   Navigator navigator = make_reference_navigator();
   for (int i = 0; i < 3; ++i) {
     const cv::Mat grey(240, 400, CV_8UC1, cv::Scalar(10 * i));
     EXPECT_EQ(navigator.step(frame_of(grey, i)).verdict, Verdict::too_little_texture);
   }
-  EXPECT_TRUE(
-      navigator.step(frame_of(room().picture(at(kHome, 0), 3), 3)).reference->new_reference);
-  const NavigationEstimate next = navigator.step(frame_of(room().picture(at(kHome, 0.5), 4), 4));
+  EXPECT_TRUE(navigator.step(frame_of(room().image(at(kHome, 0), 3), 3)).reference->new_reference);
+  const NavigationEstimate next = navigator.step(frame_of(room().image(at(kHome, 0.5), 4), 4));
   EXPECT_EQ(next.verdict, Verdict::ok);
   EXPECT_NEAR(next.twist_in_camera.angular_rate_rad_s.norm(), 0.5 * kDegree * 30, 0.02)
       << "since the reference, not since the first frame";

@@ -11,7 +11,7 @@ constexpr double kRowFrame_s = 0.04;
 constexpr double kRowFocal_px = 100;
 const Eigen::Vector2d kRowSpeed_px_s(50, -100);
 
-/// One feature of a picture that moves evenly, seen when its row is exposed.
+/// One feature of an image that moves evenly, seen when its row is exposed.
 struct MovingFeature {
   Eigen::Vector2d start_px;
 

@@ -64,7 +64,7 @@ TEST(LeastSquares, ExactAtAnyAttitudeWithTheGroundInView) {
   EXPECT_GT(solved, 15);
 }
 
-TEST(LeastSquares, MirroredPictureGivesMirroredMotion) {
+TEST(LeastSquares, MirroredImageGivesMirroredMotion) {
   test::FlowScene scene;
   scene.camera.distortion = DistortionModel::none;
   std::vector<FlowWindow> windows = scene.flow();
@@ -165,7 +165,7 @@ TEST(LeastSquares, VehicleDoesNotPull) {
   std::mt19937 random(10);
   test::add_noise(windows, 0.1, random);
   const EgoMotion clean = solve(scene, windows);
-  for (FlowWindow& window : windows) {  // 4 % of the picture moves as one
+  for (FlowWindow& window : windows) {  // 4 % of the image moves as one
     if ((window.pixel - Eigen::Vector2f(420, 150)).cwiseAbs().maxCoeff() < 55) {
       window.flow_px += Eigen::Vector2f(6, 2);
     }
@@ -230,7 +230,7 @@ TEST(LeastSquares, DegenerateInputsGetAVerdict) {
   }
 }
 
-TEST(LeastSquares, StillPictureIsAtRest) {
+TEST(LeastSquares, StillImageIsAtRest) {
   const test::FlowScene scene;
   std::vector<FlowWindow> windows = scene.flow();
   for (FlowWindow& window : windows) window.flow_px.setZero();

@@ -11,7 +11,7 @@
 #include "geometry/euler.hpp"
 
 // Steps 3 to 7 of the flow paper's procedure on flow that is exact: what the method itself costs,
-// without a picture. docs/estimation_paper.md has the figures.
+// without an image. docs/estimation_paper.md has the figures.
 
 namespace stillkite {
 namespace {
@@ -23,7 +23,7 @@ const Camera kPaperCamera{.width_px = 1920,
                           .centre_x_px = 969.2111,
                           .centre_y_px = 535.3755};
 
-// Camera under the body, top of the picture forward: x right, y back, z down.
+// Camera under the body, top of the image forward: x right, y back, z down.
 const Eigen::Quaterniond kBodyFromCamera(
     (Eigen::Matrix3d() << 0, -1, 0, -1, 0, 0, 0, 0, -1).finished());
 

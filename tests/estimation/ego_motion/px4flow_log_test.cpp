@@ -16,8 +16,8 @@
 // A real flow sensor of 849 s of flight, through the filters with the paper's parameters. No
 // tuning: no latency, no weights, no scale.
 //
-// The sensor reports the angle its picture moved by and, beside it, its gyro's; the sum is what
-// translation alone moved (rotation moves the picture against the gyro). Along the optical axis
+// The sensor reports the angle its image moved by and, beside it, its gyro's; the sum is what
+// translation alone moved (rotation moves the image against the gyro). Along the optical axis
 // the range is the depth, so flow x range is the velocity across the axis at any attitude, by the
 // motion field at x = y = 0.
 

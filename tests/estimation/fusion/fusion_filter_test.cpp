@@ -23,7 +23,7 @@ TEST(FusionFilter, FindsTheScaleByItsInertia) {
   EXPECT_LT(flight.pose_error().head<3>().norm(), 0.02);
 }
 
-// Its noise is no acceleration: taken for one that good pictures do not show, it tells of longer
+// Its noise is no acceleration: taken for one that good images do not show, it tells of longer
 // metres, by 16 % in the mean of these flights.
 TEST(FusionFilter, ANoisyAccelerometerTellsNoLongerMetres) {
   constexpr int kSeeds = 40;
@@ -63,7 +63,7 @@ TEST(FusionFilter, KeepsItsPlaceInATurnOnTheSpot) {
 }
 
 // Without any metric sensor the way home is known as a direction, the scale as at the start.
-TEST(FusionFilter, LearnsNoScaleFromPicturesAlone) {
+TEST(FusionFilter, LearnsNoScaleFromImagesAlone) {
   FusionScene scene;
   scene.has_imu = false;
   FusionSimulation flight(scene, FusionConfig{}, 4);

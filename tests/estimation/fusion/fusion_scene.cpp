@@ -128,7 +128,7 @@ void FusionSimulation::step() {
     }
     filter_.predict(step);
   }
-  if (scene_.has_flow) see_ground();
+  if (scene_.has_flow) update_from_plane();
   if (!scene_.has_landmarks) return;
   filter_.update_landmarks(landmark_views());
   if (scene_.renew_every_s > 0 && time_s_ - anchor_s_ >= scene_.renew_every_s) renew_anchor();
@@ -195,7 +195,7 @@ Eigen::Vector2d FusionSimulation::window_error_px(std::size_t i) {
 }
 
 // As from a keyframe that is replaced now and then, its height off by what the start's is.
-void FusionSimulation::see_ground() {
+void FusionSimulation::update_from_plane() {
   const double start_height_m = looking_ahead().translation.z();
   const double height_m = truth_at(keyframe_s_).world_from_camera.translation.z();
   const RigidTransform camera_from_keyframe =
@@ -218,7 +218,7 @@ Vector6d FusionSimulation::pose_error() const {
 }
 
 Vector6d FusionSimulation::upright_pose_error() const {
-  return error_of(filter_.upright_from_world() * filter_.world_from_camera_m());
+  return error_of(filter_.aligned_from_world() * filter_.world_from_camera_m());
 }
 
 Vector6d FusionSimulation::error_of(const RigidTransform& estimate) const {

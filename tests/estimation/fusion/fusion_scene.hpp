@@ -108,7 +108,7 @@ class FusionSimulation {
  private:
   [[nodiscard]] FusionTruth truth_at(double t_s) const;
   [[nodiscard]] Vector6d error_of(const RigidTransform& estimate) const;
-  void see_ground();
+  void update_from_plane();
   [[nodiscard]] std::vector<FeatureView> landmark_views();
   Eigen::Vector2d window_error_px(std::size_t i);
   [[nodiscard]] Eigen::Vector2d stray_error_px(std::size_t i) const;

@@ -25,7 +25,7 @@ double nees_after_a_second(const FusionScene& scene, const FusionConfig& config,
 
 // Where the start is gone through again the filter need not be as careful as otherwise, and soon
 // after a second knows its way as if it had known its speed.
-TEST(FusionFilter, KnowsItsWayByThePicturesOfTheStartAsAWhole) {
+TEST(FusionFilter, KnowsItsWayByTheImagesOfTheStartAsAWhole) {
   constexpr int kSeeds = 12;
   constexpr int kFrames = 60;
   const FusionScene scene = hover_of_unknown_speed();
@@ -48,7 +48,7 @@ TEST(FusionFilter, KnowsItsWayByThePicturesOfTheStartAsAWhole) {
   EXPECT_LT(most(nees_by_second(scene, white_noise(), kSeeds)), 10);
 }
 
-// Of pictures of things far and near, whose depths differ by more than the guesses are told to be
+// Of images of things far and near, whose depths differ by more than the guesses are told to be
 // off by, a turn and depths all alike explain nearly as much as the way: it must not be preferred.
 TEST(FusionFilter, DoesNotTakeFarAndNearForAlike) {
   FusionScene scene;
@@ -66,9 +66,9 @@ TEST(FusionFilter, DoesNotTakeFarAndNearForAlike) {
   }
 }
 
-// Pictures as noisy as haze's and a way of 1 cm: twenty of them settle at a turn instead, from all
+// Images as noisy as haze's and a way of 1 cm: twenty of them settle at a turn instead, from all
 // starts, and forty do not.
-TEST(FusionFilter, LeavesAFalseStartOnceMorePicturesTell) {
+TEST(FusionFilter, LeavesAFalseStartOnceMoreImagesTell) {
   constexpr int kFrames = 90;
   FusionScene scene = hover_of_unknown_speed();
   scene.sway_m = 0.02;
@@ -96,11 +96,11 @@ FusionScene slow_departure(double drift_m_s2) {
   return scene;
 }
 
-// Sixteen pictures of a slow way may as well show a turn: the likelier of both may be the false
+// Sixteen images of a slow way may as well show a turn: the likelier of both may be the false
 // one.
 TEST(FusionFilter, DoesNotBelieveAStartThatMayBeATurn) {
   constexpr int kSeeds = 4;
-  constexpr int kFrames = 35;  // the one of 16 pictures is there, that of 32 is not
+  constexpr int kFrames = 35;  // the one of 16 images is there, that of 32 is not
   FusionScene scene = slow_departure(0.05);
   scene.pixel_sigma_px = 0.7;
   double mean = 0;
@@ -213,7 +213,7 @@ TEST(FusionFilter, TakesOthersForLandmarksThatStray) {
 // A quarter of its points strays and is given up: those that stay were chosen because they agree,
 // and what they agree on is known by less (`trimmed_mean_growth`).
 TEST(FusionFilter, KnowsLessByLandmarksThatWereChosenBecauseTheyAgree) {
-  constexpr int kFrames = 27;  // the start of 16 pictures is there, that of 32 is not
+  constexpr int kFrames = 27;  // the start of 16 images is there, that of 32 is not
   FusionScene scene = hover_of_unknown_speed();
   scene.true_noise_ratio = 0.3;
   scene.drift_m_s2 = 0.5;

@@ -128,10 +128,10 @@ void LandmarkFlight::step() {
   }
   filter_.predict(seen, flow_covariance_, kPatrolFrame_s);
   dead_reckoned_ = integrate_twist(dead_reckoned_, seen, kPatrolFrame_s);
-  if (frame_ % scene_.frames_per_sighting == 0) see_landmarks();
+  if (frame_ % scene_.frames_per_sighting == 0) update_from_landmarks();
 }
 
-void LandmarkFlight::see_landmarks() {
+void LandmarkFlight::update_from_landmarks() {
   const RigidTransform camera_from_world = truth_.inverse();
   const double sigma = scene_.pixel_sigma_px / kPatrolFocal_px;
   std::vector<LandmarkSighting> seen;

@@ -68,7 +68,7 @@ class LandmarkFlight {
   [[nodiscard]] std::vector<KnownLandmark> make_map();
   [[nodiscard]] Matrix6d start_covariance() const;
   [[nodiscard]] RigidTransform believed_start();
-  void see_landmarks();
+  void update_from_landmarks();
   [[nodiscard]] Eigen::Vector3d normal3();
 
   PatrolScene scene_;

@@ -85,7 +85,7 @@ void settle(const StartBundle& bundle, StartEstimate& estimate) {
   EXPECT_LT(estimate.step, 1e-9);
 }
 
-// Where the poses are known the depths are in the pictures.
+// Where the poses are known the depths are in the images.
 TEST(StartBundle, FindsThePointsOfExactViews) {
   const BundleScene scene;
   FusionConfig config = lasting_windows();

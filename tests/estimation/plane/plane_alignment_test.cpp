@@ -40,9 +40,9 @@ double ground(double x, double y) {
          20 * std::sin(44 * x + 37 * y) + 15 * std::sin(61 * x - 47 * y);
 }
 
-// The picture of the ground, each row from a pose of its own.
-cv::Mat picture(const Camera& camera, const std::function<RigidTransform(int)>& pose_of_row,
-                double gain = 1, double offset = 0) {
+// The image of the ground, each row from a pose of its own.
+cv::Mat image(const Camera& camera, const std::function<RigidTransform(int)>& pose_of_row,
+              double gain = 1, double offset = 0) {
   cv::Mat image(camera.height_px, camera.width_px, CV_8U);
   for (int row = 0; row < image.rows; ++row) {
     const RigidTransform world_from_camera = pose_of_row(row);
@@ -57,9 +57,8 @@ cv::Mat picture(const Camera& camera, const std::function<RigidTransform(int)>& 
   }
   return image;
 }
-cv::Mat picture(const Camera& camera, const RigidTransform& at, double gain = 1,
-                double offset = 0) {
-  return picture(
+cv::Mat image(const Camera& camera, const RigidTransform& at, double gain = 1, double offset = 0) {
+  return image(
       camera, [&](int) { return at; }, gain, offset);
 }
 
@@ -90,8 +89,8 @@ class ThroughLens : public testing::TestWithParam<DistortionModel> {};
 TEST_P(ThroughLens, recovers_the_exact_motion_from_a_guess_of_rest) {
   const Camera camera = lens(GetParam());
   const PlaneMotion truth = motion_between(kFirst, kSecond);
-  const PlaneAlignment found = align(camera, picture(camera, kFirst), picture(camera, kSecond),
-                                     motion_between(kFirst, kFirst));
+  const PlaneAlignment found =
+      align(camera, image(camera, kFirst), image(camera, kSecond), motion_between(kFirst, kFirst));
   ASSERT_TRUE(found.solvable);
   EXPECT_LT(turn_error_rad(found.motion, truth), 3e-4);
   EXPECT_LT(shift_error(found.motion, truth), 3e-4);
@@ -102,10 +101,10 @@ INSTANTIATE_TEST_SUITE_P(Lenses, ThroughLens,
                          testing::Values(DistortionModel::none, DistortionModel::radial_tangential,
                                          DistortionModel::equidistant));
 
-TEST(PlaneAlignment, swapped_pictures_give_the_inverse_motion) {
+TEST(PlaneAlignment, swapped_images_give_the_inverse_motion) {
   const Camera camera = lens(DistortionModel::none);
-  const cv::Mat first = picture(camera, kFirst);
-  const cv::Mat second = picture(camera, kSecond);
+  const cv::Mat first = image(camera, kFirst);
+  const cv::Mat second = image(camera, kSecond);
   const PlaneAlignment there = align(camera, first, second, motion_between(kFirst, kFirst));
   const PlaneAlignment back = align(camera, second, first, motion_between(kSecond, kSecond));
   // lengths are in heights of each one's own reference camera
@@ -120,7 +119,7 @@ TEST(PlaneAlignment, a_change_of_exposure_costs_nothing) {
   const Camera camera = lens(DistortionModel::none);
   const PlaneMotion truth = motion_between(kFirst, kSecond);
   const PlaneAlignment found =
-      align(camera, picture(camera, kFirst, 0.7), picture(camera, kSecond, 0.9, 10),
+      align(camera, image(camera, kFirst, 0.7), image(camera, kSecond, 0.9, 10),
             motion_between(kFirst, kFirst));
   ASSERT_TRUE(found.solvable);
   EXPECT_LT(shift_error(found.motion, truth), 5e-4);
@@ -133,7 +132,7 @@ TEST(PlaneAlignment, a_large_turn_is_warped_exactly) {
   const PlaneMotion truth = motion_between(kFirst, turned);
   const RigidTransform near = pose(0.11, 0.045, 1.09, 0.05, -0.1, 0.49);
   const PlaneAlignment found =
-      align(camera, picture(camera, kFirst), picture(camera, turned), motion_between(kFirst, near));
+      align(camera, image(camera, kFirst), image(camera, turned), motion_between(kFirst, near));
   ASSERT_TRUE(found.solvable);
   EXPECT_LT(turn_error_rad(found.motion, truth), 5e-4);
   EXPECT_LT(shift_error(found.motion, truth), 5e-4);
@@ -150,7 +149,7 @@ TEST(PlaneAlignment, translation_shows_the_tilt_of_the_ground) {
   const RigidTransform guess{off * moved.rotation, moved.translation};
   const LevellingConfig levelling{.ground_slope_sigma_rad = 0, .flow_sigma_rad = 0};
   const PlaneAlignment found =
-      align(camera, picture(camera, kFirst), picture(camera, moved),
+      align(camera, image(camera, kFirst), image(camera, moved),
             motion_between(believed.world_from_camera, guess), tilt_prior(believed, levelling));
   const ChainedPose chained = chain(believed, found, levelling);
   EXPECT_LT(angle_between_rad(chained.keyframe.world_from_camera.rotation, kFirst.rotation),
@@ -165,7 +164,7 @@ TEST(PlaneAlignment, the_windows_alone_know_nothing_of_the_prior) {
   const Camera camera = lens(DistortionModel::none);
   const RigidTransform moved = pose(0.25, 0.1, 1.0, 0.1, -0.15, 0.2);
   const PlaneMotion truth = motion_between(kFirst, moved);
-  const cv::Mat first = picture(camera, kFirst), second = picture(camera, moved);
+  const cv::Mat first = image(camera, kFirst), second = image(camera, moved);
   TiltPrior prior;
   prior.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>();
   PlaneMotion believed = truth;
@@ -197,7 +196,7 @@ TEST(PlaneAlignment, a_climb_says_little_of_the_tilt_where_the_flow_may_err) {
     prior.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>();
     prior.covariance = tilt_sigma * tilt_sigma * Eigen::Matrix2d::Identity();
     prior.flow_sigma_rad = flow_sigma_rad;
-    const PlaneAlignment found = align(camera, picture(camera, kFirst), picture(camera, moved),
+    const PlaneAlignment found = align(camera, image(camera, kFirst), image(camera, moved),
                                        motion_between(kFirst, moved), prior);
     EXPECT_LT(shift_error(found.motion, motion_between(kFirst, moved)), 2e-3);
     return std::sqrt(found.covariance.bottomRightCorner<2, 2>().diagonal().maxCoeff());
@@ -219,14 +218,14 @@ TEST(PlaneAlignment, a_rolling_shutter_is_undone_by_its_readout_time) {
     return RigidTransform{kFirst.rotation, kFirst.translation + velocity * t_s};
   };
   const auto rolling = [&](double stamp_s) {
-    return picture(camera,
-                   [&, stamp_s](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
+    return image(camera,
+                 [&, stamp_s](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
   };
-  // at rest, then moving: the second picture alone is sheared
+  // at rest, then moving: the second image alone is sheared
   const PlaneMotion truth = motion_between(at(0), at(0.1));
   RollingShutter shutter{.readout_s = readout_s};
   shutter.current_twist.head<3>() = kFirst.rotation.conjugate() * velocity;
-  const cv::Mat first = picture(camera, at(0));
+  const cv::Mat first = image(camera, at(0));
   const PlaneAlignment with = align(camera, first, rolling(0.1), truth, {}, shutter);
   const PlaneAlignment without = align(camera, first, rolling(0.1), truth);
   EXPECT_LT(shift_error(with.motion, truth), 7e-4);
@@ -249,7 +248,7 @@ struct RollingClimb {
     return twist;
   }
   [[nodiscard]] cv::Mat seen(double stamp_s) const {
-    return picture(camera, [&](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
+    return image(camera, [&](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
   }
   [[nodiscard]] static TiltPrior vague_tilt() {
     return {.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>(),
@@ -262,7 +261,7 @@ struct RollingClimb {
   static constexpr double kLater_s = 0.1;
 };
 
-// Both pictures are stretched alike; what is left of it looks like a tilt of the plane.
+// Both images are stretched alike; what is left of it looks like a tilt of the plane.
 TEST(PlaneAlignment, a_rolling_shutter_feigns_no_tilt_in_a_climb) {
   const RollingClimb climb;
   const PlaneMotion truth = motion_between(climb.at(0), climb.at(RollingClimb::kLater_s));
@@ -293,7 +292,7 @@ TEST(PlaneAlignment, what_a_rolling_shutter_makes_of_a_false_twist_is_foreseen) 
   }
 }
 
-TEST(PlaneAlignment, a_bare_picture_is_not_solvable_and_keeps_the_guess) {
+TEST(PlaneAlignment, a_bare_image_is_not_solvable_and_keeps_the_guess) {
   const Camera camera = lens(DistortionModel::none);
   const cv::Mat bare(camera.height_px, camera.width_px, CV_8U, cv::Scalar(90));
   const PlaneMotion guess = motion_between(kFirst, kSecond);
@@ -304,7 +303,7 @@ TEST(PlaneAlignment, a_bare_picture_is_not_solvable_and_keeps_the_guess) {
 }
 
 // What is left of sums as large as the keyframe's contrast is rounding, which may well be positive.
-TEST(PlaneAlignment, a_bare_picture_correlates_with_nothing) {
+TEST(PlaneAlignment, a_bare_image_correlates_with_nothing) {
   const Camera camera = lens(DistortionModel::none);
   cv::Mat keyframe(camera.height_px, camera.width_px, CV_8U);
   for (int seed = 0; seed < 40; ++seed) {
@@ -368,8 +367,8 @@ TEST(PlaneTiles, late_tiles_are_where_the_camera_sees_them_by_then) {
 
 TEST(PlaneAlignment, narrow_vectors_find_the_same_motion) {
   const Camera camera = lens(DistortionModel::radial_tangential);
-  const cv::Mat first = picture(camera, kFirst);
-  const cv::Mat second = picture(camera, kSecond);
+  const cv::Mat first = image(camera, kFirst);
+  const cv::Mat second = image(camera, kSecond);
   const PlaneMotion rest = motion_between(kFirst, kFirst);
   const PlaneAlignment wide = align(camera, first, second, rest);
   hwy::SetSupportedTargetsForTest(HWY_STATIC_TARGET);

@@ -13,7 +13,7 @@ constexpr double kNoise = 1e-3;
 const Eigen::Vector3d kStraightDown(0, 0, 1);
 const RigidTransform kSideways{Eigen::Quaterniond::Identity(), {kSideways_m, 0, 0}};
 
-// A row of features across the picture, their depths over the height in turn.
+// A row of features across the image, their depths over the height in turn.
 std::vector<BearingPair> row_of_features(const std::vector<double>& depths,
                                          const RigidTransform& current_from_reference) {
   std::vector<BearingPair> pairs;
@@ -36,7 +36,7 @@ TEST(GroundRelief, FlatGroundHasNone) {
   EXPECT_NEAR(relief_of(pairs, kSideways, kStraightDown).value(), 0, 1e-12);
 }
 
-// A tilted camera over the ground: n.a changes over the picture, and so does the depth.
+// A tilted camera over the ground: n.a changes over the image, and so does the depth.
 TEST(GroundRelief, KnowsHowTheGroundRecedes) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.5, 0.3, 1).normalized();
   const RigidTransform motion{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, kStraightDown)),

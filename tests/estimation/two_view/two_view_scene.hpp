@@ -53,7 +53,7 @@ struct TwoViews {
   views.truth.current_from_reference =
       so3_exp(still ? Eigen::Vector3d::Zero() : Eigen::Vector3d(scene.turn_rad * axis));
   views.truth.direction = moves ? direction() : Eigen::Vector3d::Zero();
-  // a plane that leans by up to some 35 degrees from the picture's
+  // a plane that leans by up to some 35 degrees from the image's
   const Eigen::Vector3d leaning(0.5 * (2 * unit(random) - 1), 0.5 * (2 * unit(random) - 1), 1);
   views.normal =
       scene.content == ViewModel::plane ? leaning.normalized() : Eigen::Vector3d::UnitZ();

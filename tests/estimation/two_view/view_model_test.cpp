@@ -104,7 +104,7 @@ TEST(PlaneViews, two_views_that_nothing_tells_apart_are_undecided) {
   EXPECT_GT(undecided, 3);
 }
 
-// As the vertical is that an estimator carries on which something else in the picture pulls at.
+// As the vertical is that an estimator carries on which something else in the image pulls at.
 TEST(Homography, a_vertical_that_errs_does_not_outvote_level_ground_and_the_prior) {
   const TwoViewScene scene{.content = ViewModel::plane, .points = 300, .baseline = 0.3};
   int decided = 0;

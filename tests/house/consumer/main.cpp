@@ -1,4 +1,4 @@
-// A user's own program: the navigator over one picture of a camera that looks straight down.
+// A user's own program: the navigator over one image of a camera that looks straight down.
 #include <iostream>
 #include <stillkite/navigation/navigator.hpp>
 

@@ -148,10 +148,10 @@ TEST(Calibration, MessagesNamePlaceKeyAndRemedy) {
             "c.yaml:4:1: T_BS: is no rigid transform: its rotation must be orthonormal and "
             "right-handed, its last row 0 0 0 1");
   EXPECT_EQ(error_of(with(kEuroc, "367.215", "3672.15")),
-            "c.yaml: principal point 3672.15, 248.375 px is outside the picture of 752 x 480: is "
+            "c.yaml: principal point 3672.15, 248.375 px is outside the image of 752 x 480: is "
             "it of another resolution?");
   EXPECT_EQ(error_of(with(kEuroc, "458.654", "0.61")),
-            "c.yaml: focal lengths 0.61, 457.296 px are below a tenth of the picture, 752 x 480: "
+            "c.yaml: focal lengths 0.61, 457.296 px are below a tenth of the image, 752 x 480: "
             "are they in pixels, and of this resolution?");
   EXPECT_EQ(error_of(with(kKalibr, "0.01, ", "")),
             "c.yaml:9:3: cam0.distortion_coeffs: 3 coefficients, 4 are needed for equidistant");

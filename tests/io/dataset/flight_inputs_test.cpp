@@ -41,7 +41,7 @@ TEST_F(Inputs, TheMountTurnsTheCameraByItsAngleBelowTheHorizon) {
     EXPECT_LT((q * Eigen::Vector3d::UnitZ() - c.axis).norm(), 1e-12) << c.down_deg;
     EXPECT_LT((q * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
   }
-  // looking down the picture's top is the nose
+  // looking down the image's top is the nose
   config.mount.down_deg.reset();
   const Eigen::Quaterniond q = read().body_from_camera.rotation;
   EXPECT_LT((q * Eigen::Vector3d(0, -1, 0) - Eigen::Vector3d::UnitX()).norm(), 1e-12);
@@ -142,25 +142,25 @@ TEST_F(Inputs, AMaskIsBlackWhereNoWorldIsSeen) {
   mask.rowRange(0, 270) = cv::Scalar::all(0);
   const std::filesystem::path file = folder.path() / "mask.png";
   config.calibration.mask_path = file;
-  const auto error_with = [&](const cv::Mat& picture) {
-    cv::imwrite(file.string(), picture);
+  const auto error_with = [&](const cv::Mat& image) {
+    cv::imwrite(file.string(), image);
     return error();
   };
   EXPECT_EQ(error_with(mask), "accepted");
   EXPECT_DOUBLE_EQ(read().mask->hidden_ratio(), 0.25);
   EXPECT_EQ(read().mask->hidden_ratio(960, 100, 10, 10), 1);
-  EXPECT_NE(error_with(mask.rowRange(0, 1000)).find("is 1920x1000, the pictures are 1920x1080"),
+  EXPECT_NE(error_with(mask.rowRange(0, 1000)).find("is 1920x1000, the images are 1920x1080"),
             std::string::npos);
   EXPECT_NE(error_with(0 * mask).find("is black all over"), std::string::npos);
   std::filesystem::remove(file);
-  EXPECT_NE(error().find("is missing or no picture"), std::string::npos);
+  EXPECT_NE(error().find("is missing or no image"), std::string::npos);
 }
 
 TEST_F(Inputs, MessagesNameWhatToMend) {
   first.grey = cv::Mat(480, 640, CV_8UC1);
   config.source.path = "v.mp4";
   EXPECT_EQ(error(),
-            "calibration.camera: is a calibration for pictures of 1920x1080, those of v.mp4 are "
+            "calibration.camera: is a calibration for images of 1920x1080, those of v.mp4 are "
             "640x480; give the one of this resolution");
   config.calibration.path = "c.yaml";
   EXPECT_EQ(error(), "calibration.path and calibration.camera are both given; keep one");

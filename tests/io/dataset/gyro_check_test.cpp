@@ -33,7 +33,7 @@ bool tells(const Flight& flight, std::string_view what) {
   return doubt(flight).find(what) != std::string::npos;
 }
 
-// Ten seconds; pictures err by 1 mrad a frame.
+// Ten seconds; images err by 1 mrad a frame.
 Flight flight(double gyro_starts_s = 0) {
   std::mt19937 random(1);
   std::normal_distribution<double> error(0, 1e-3);
@@ -90,7 +90,7 @@ TEST(GyroCheck, NothingIsSaidOfWhatHardlyTurns) {
   EXPECT_EQ(doubt(f), "");
 }
 
-// Nor where the pictures turn anyhow.
+// Nor where the images turn anyhow.
 TEST(GyroCheck, NothingIsSaidOfWhatNothingExplains) {
   Flight f = flight();
   std::mt19937 random(1);

@@ -36,7 +36,7 @@ TEST(SensorChecks, TellsWhichLogsSayNothingOfTheFlight) {
   EXPECT_TRUE(told(0, 2.1).empty());
   ASSERT_EQ(told(0, 4).size(), 1u);
   EXPECT_EQ(told(0, 4)[0],
-            "imu.path: covers 2.0 of 4.0 s: its readings are from 0.000 s to 2.000 s, the pictures "
+            "imu.path: covers 2.0 of 4.0 s: its readings are from 0.000 s to 2.000 s, the images "
             "are from 0.000 s to 4.000 s");
   ASSERT_EQ(told(100, 104).size(), 1u);
   EXPECT_NE(told(100, 104)[0].find("are both on one clock?"), std::string::npos);

@@ -20,7 +20,7 @@ constexpr int kFrames = 60;
 constexpr double kRate_hz = 30;
 
 // A flat grey that names its frame, so that order and content can be checked after compression.
-cv::Mat picture(int index, cv::Size size = {160, 96}) {
+cv::Mat image(int index, cv::Size size = {160, 96}) {
   return cv::Mat(size, CV_8UC1, cv::Scalar(40 + 2 * index));
 }
 
@@ -30,8 +30,8 @@ fs::path write_video(const fs::path& file, int frames = kFrames, cv::Size size =
   EXPECT_TRUE(writer.isOpened());
   for (int i = 0; i < frames; ++i) {
     cv::Mat bgr;
-    cv::cvtColor(picture(i, size), bgr, cv::COLOR_GRAY2BGR);
-    // something that does not compress, so that a cut hits a picture
+    cv::cvtColor(image(i, size), bgr, cv::COLOR_GRAY2BGR);
+    // something that does not compress, so that a cut hits an image
     cv::Mat noise(size.height / 2, size.width, CV_8UC3);
     cv::RNG(static_cast<std::uint64_t>(i)).fill(noise, cv::RNG::UNIFORM, 0, 255);
     noise.copyTo(bgr.rowRange(0, size.height / 2));
@@ -109,7 +109,7 @@ TEST(FrameSource, ATruncatedVideoGivesWhatItHasAndSaysSo) {
   EXPECT_GT(n, 20u);
   EXPECT_LT(n, 50u);
   ASSERT_TRUE(source.complaint().has_value());
-  EXPECT_NE(source.complaint()->find("cut.avi: the file is truncated: its pictures end at"),
+  EXPECT_NE(source.complaint()->find("cut.avi: the file is truncated: its images end at"),
             std::string::npos)
       << *source.complaint();
 }
@@ -146,17 +146,17 @@ TEST(FrameSource, MessagesNameTheFileAndTheRemedy) {
   EXPECT_NE(error(folder.file("cut.mp4", mp4.substr(0, mp4.size() / 2))).find("its index"),
             std::string::npos);  // an MP4's index is at its end
   fs::create_directories(folder.path() / "bare");
-  EXPECT_NE(error(folder.path() / "bare").find("holds no picture"), std::string::npos);
+  EXPECT_NE(error(folder.path() / "bare").find("holds no image"), std::string::npos);
   EXPECT_NE(error({}).find("source.path is not given"), std::string::npos);
   ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
   EXPECT_EQ(error(folder.path() / "pipe"),
             "pipe: is a pipe or a device, a file or a folder is needed");
 }
 
-TEST(FrameSource, AFolderOfPicturesIsReadInTheOrderOfItsNumbers) {
+TEST(FrameSource, AFolderOfImagesIsReadInTheOrderOfItsNumbers) {
   const TemporaryFolder folder;
   for (int i = 0; i < 12; ++i) {
-    cv::imwrite((folder.path() / fmt::format("f{}.png", i)).string(), picture(i));
+    cv::imwrite((folder.path() / fmt::format("f{}.png", i)).string(), image(i));
   }
   EXPECT_NE(
       input_error_of(folder, [&] { FrameSource({.path = folder.path()}); }).find("source.rate_hz"),
@@ -170,10 +170,10 @@ TEST(FrameSource, AFolderOfPicturesIsReadInTheOrderOfItsNumbers) {
   }
 }
 
-TEST(FrameSource, ANumberThatIsLeftOutIsAPictureThatIsMissing) {
+TEST(FrameSource, ANumberThatIsLeftOutIsAImageThatIsMissing) {
   const auto stamps_s = [](const std::vector<std::string>& names) {
     const TemporaryFolder folder;
-    for (const std::string& name : names) cv::imwrite((folder.path() / name).string(), picture(0));
+    for (const std::string& name : names) cv::imwrite((folder.path() / name).string(), image(0));
     FrameSource source({.path = folder.path(), .rate_hz = 1});
     std::vector<double> stamps;
     for (const Frame& frame : read_all(source)) stamps.push_back(to_seconds(frame.stamp));
@@ -188,7 +188,7 @@ TEST(FrameSource, ANumberThatIsLeftOutIsAPictureThatIsMissing) {
 }
 
 // Most cameras of more than 8 bits fill but the lowest 10, 12 or 14 of 16.
-TEST(FrameSource, PicturesOf16BitsAreReadByTheBitsThatTheyUse) {
+TEST(FrameSource, ImagesOf16BitsAreReadByTheBitsThatTheyUse) {
   const TemporaryFolder folder;
   for (int i = 0; i < 3; ++i) {
     cv::Mat deep(96, 160, CV_16UC1, cv::Scalar(16 * (100 + i)));
@@ -208,10 +208,10 @@ TEST(FrameSource, PicturesOf16BitsAreReadByTheBitsThatTheyUse) {
       input_error_of(folder, [&] { FrameSource({.path = folder.path(), .rate_hz = 20}); }),
       "0.png: of 16 bits a pixel, but none is brighter than 4095; give the bits that the camera "
       "uses as source.bits (12, or 16 if the scene is as dark as that)");
-  cv::imwrite((folder.path() / "8.bmp").string(), picture(0));
+  cv::imwrite((folder.path() / "8.bmp").string(), image(0));
   const SourceConfig late{.path = folder.path(), .start_s = 0.14, .rate_hz = 20, .bits = 12};
   EXPECT_EQ(input_error_of(folder, [&] { FrameSource{late}; }),
-            "8.bmp: of 8 bits a pixel; source.bits is for pictures of 16");
+            "8.bmp: of 8 bits a pixel; source.bits is for images of 16");
   FrameSource all({.path = folder.path(), .rate_hz = 20, .bits = 16});
   EXPECT_EQ(read_all(all).front().grey.at<unsigned char>(50, 50), 6);
 }
@@ -219,7 +219,7 @@ TEST(FrameSource, PicturesOf16BitsAreReadByTheBitsThatTheyUse) {
 class EurocSource : public testing::Test {
  protected:
   void write(const std::string& csv) { folder_.write("mav0/cam0/data.csv", csv); }
-  void write_picture(const std::string& name, const cv::Mat& image) {
+  void write_image(const std::string& name, const cv::Mat& image) {
     fs::create_directories(folder_.path() / "mav0/cam0/data");
     cv::imwrite((folder_.path() / "mav0/cam0/data" / name).string(), image);
   }
@@ -228,10 +228,10 @@ class EurocSource : public testing::Test {
 
 TEST_F(EurocSource, GivesItsOwnStampsFromAnyOfItsFolders) {
   write("#timestamp [ns],filename\n1403715273262142976,a.png\n1403715273312143104,b.png\n");
-  write_picture("a.png", picture(1));
+  write_image("a.png", image(1));
   cv::Mat colour;
-  cv::cvtColor(picture(2), colour, cv::COLOR_GRAY2BGR);
-  write_picture("b.png", colour);
+  cv::cvtColor(image(2), colour, cv::COLOR_GRAY2BGR);
+  write_image("b.png", colour);
   for (const char* at : {"", "mav0", "mav0/cam0"}) {
     FrameSource source({.path = folder_.path() / at});
     const std::vector<Frame> frames = read_all(source);
@@ -250,30 +250,30 @@ TEST_F(EurocSource, MessagesNameFileAndLine) {
       (void)read_all(source);
     });
   };
-  write_picture("a.png", picture(1));
-  write_picture("b.png", picture(2));
-  write_picture("small.png", picture(3, {80, 48}));
+  write_image("a.png", image(1));
+  write_image("b.png", image(2));
+  write_image("small.png", image(3, {80, 48}));
   EXPECT_EQ(error("1,a.png\n2,c.png\n"),
-            "mav0/cam0/data.csv:2: the picture mav0/cam0/data/c.png is not there");
+            "mav0/cam0/data.csv:2: the image mav0/cam0/data/c.png is not there");
   EXPECT_EQ(
       error("2,a.png\n1,b.png\n"),
       "mav0/cam0/data.csv:2: stamp 1 is before that of line 1; sort the file and drop repeats");
   EXPECT_EQ(error("2,a.png\n2,b.png\n"),
             "mav0/cam0/data.csv:2: stamp 2 repeats that of line 1; sort the file and drop repeats");
-  EXPECT_EQ(error("#t,name\n"), "mav0/cam0/data.csv: lists no picture");
+  EXPECT_EQ(error("#t,name\n"), "mav0/cam0/data.csv: lists no image");
   EXPECT_EQ(error("1000000,a.png\n1033333,b.png\n"),
-            "mav0/cam0/data.csv: the pictures are 0.0333 ms apart; its stamps are to be "
+            "mav0/cam0/data.csv: the images are 0.0333 ms apart; its stamps are to be "
             "nanoseconds, are they microseconds?");
   EXPECT_EQ(error("1000000000,a.png\n2000000000,small.png\n"),
-            "mav0/cam0/data/small.png: is 80x48, the pictures before are 160x96; one calibration "
+            "mav0/cam0/data/small.png: is 80x48, the images before are 160x96; one calibration "
             "cannot serve both");
 }
 
-TEST_F(EurocSource, APictureThatCannotBeDecodedIsCounted) {
+TEST_F(EurocSource, AImageThatCannotBeDecodedIsCounted) {
   write("1000000000,a.png\n2000000000,bad.png\n3000000000,b.png\n");
-  write_picture("a.png", picture(1));
-  write_picture("b.png", picture(2));
-  folder_.write("mav0/cam0/data/bad.png", "no picture");
+  write_image("a.png", image(1));
+  write_image("b.png", image(2));
+  folder_.write("mav0/cam0/data/bad.png", "no image");
   FrameSource source({.path = folder_.path()});
   const std::vector<Frame> frames = read_all(source);
   ASSERT_EQ(frames.size(), 2u);

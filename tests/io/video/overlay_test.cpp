@@ -48,12 +48,12 @@ TEST(HorizonPixels, slope_against_the_roll) {
   EXPECT_NEAR(run.y() / 510 / (run.x() / 500), std::tan(-0.3), 1e-9);
 }
 
-TEST(HorizonPixels, are_none_when_it_is_out_of_the_picture) {
+TEST(HorizonPixels, are_none_when_it_is_out_of_the_image) {
   EXPECT_TRUE(horizon_pixels(kCamera, kNadir).empty());
   EXPECT_TRUE(horizon_pixels(kCamera, forward(0.6)).empty());
 }
 
-// A strong barrel lens: its polynomial folds far points back into the picture.
+// A strong barrel lens: its polynomial folds far points back into the image.
 TEST(HorizonPixels, do_not_come_from_where_the_lens_model_fails) {
   Camera camera = kCamera;
   camera.distortion = DistortionModel::radial_tangential;

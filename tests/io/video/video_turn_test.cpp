@@ -11,19 +11,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Three pictures, in which no two places are alike.
+// Three images, in which no two places are alike.
 fs::path write_noise(const fs::path& file) {
   VideoWriter writer(file, {160, 96}, 25, {.crf = 0});
-  cv::Mat picture(96, 160, CV_8UC1);
+  cv::Mat image(96, 160, CV_8UC1);
   for (int i = 0; i < 3; ++i) {
-    cv::RNG(static_cast<std::uint64_t>(i)).fill(picture, cv::RNG::UNIFORM, 0, 255);
-    writer.write(picture);
+    cv::RNG(static_cast<std::uint64_t>(i)).fill(image, cv::RNG::UNIFORM, 0, 255);
+    writer.write(image);
   }
   writer.commit();
   return file;
 }
 
-std::vector<Frame> pictures_of(FrameSource& source) {
+std::vector<Frame> images_of(FrameSource& source) {
   std::vector<Frame> frames;
   while (std::optional<Frame> frame = source.next()) frames.push_back(*frame);
   return frames;
@@ -43,7 +43,7 @@ fs::path with_matrix(const fs::path& file, std::array<int, 4> abcd) {
 }
 
 // By the standard, 6.2.2: the pixel (x, y) is shown at (a x + c y, b x + d y), moved into the
-// picture.
+// image.
 cv::Mat shown_by(const cv::Mat& coded, std::array<int, 4> abcd) {
   const auto [a, b, c, d] = abcd;
   cv::Mat shown(a != 0 ? coded.size() : cv::Size(coded.rows, coded.cols), CV_8UC1);
@@ -61,12 +61,12 @@ TEST(VideoTurn, IsMadeAsTheMarkSays) {
   const TemporaryFolder folder;
   const fs::path video = write_noise(folder.path() / "a.mp4");
   FrameSource unmarked({.path = video});
-  const std::vector<Frame> coded = pictures_of(unmarked);
+  const std::vector<Frame> coded = images_of(unmarked);
   for (const std::array<int, 4> abcd : {std::array{1, 0, 0, 1}, std::array{0, 1, -1, 0},
                                         std::array{-1, 0, 0, -1}, std::array{0, -1, 1, 0}}) {
     FrameSource source({.path = with_matrix(video, abcd)});
     EXPECT_EQ(source.is_turned(), abcd[0] != 1);
-    const std::vector<Frame> frames = pictures_of(source);
+    const std::vector<Frame> frames = images_of(source);
     ASSERT_EQ(frames.size(), coded.size());
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const cv::Mat shown = shown_by(coded[i].grey, abcd);
@@ -83,11 +83,11 @@ TEST(VideoTurn, OfAnotherKindIsRefused) {
     return input_error_of(folder, [&] { FrameSource({.path = with_matrix(video, abcd)}); });
   };
   EXPECT_EQ(error({1, 1, -1, 1}),
-            "a.turned.mp4: its pictures are marked to be shown turned by 45.0 deg; only quarter "
+            "a.turned.mp4: its images are marked to be shown turned by 45.0 deg; only quarter "
             "turns can be made, take the mark out of the file");
   EXPECT_NE(error({-1, 0, 0, 1}).find("shown mirrored"), std::string::npos);
   FrameSource oblong({.path = with_matrix(video, {2, 0, 0, 1})});
-  EXPECT_EQ(pictures_of(oblong).size(), 3);
+  EXPECT_EQ(images_of(oblong).size(), 3);
   EXPECT_NE(oblong.complaint().value_or("").find("its pixels are told to be 2:1"),
             std::string::npos);
 }

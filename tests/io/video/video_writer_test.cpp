@@ -15,7 +15,7 @@ namespace {
 constexpr int kWritten = 40;
 
 // A pattern that moves two pixels a frame and uses all greys.
-cv::Mat picture_of_frame(int frame) {
+cv::Mat image_of_frame(int frame) {
   cv::Mat grey(96, 128, CV_8UC1);
   for (int row = 0; row < grey.rows; ++row) {
     for (int column = 0; column < grey.cols; ++column) {
@@ -29,7 +29,7 @@ cv::Mat picture_of_frame(int frame) {
 void encode_pattern(const std::filesystem::path& file, double rate_hz,
                     const EncoderConfig& config) {
   VideoWriter writer(file, {128, 96}, rate_hz, config);
-  for (int frame = 0; frame < kWritten; ++frame) writer.write(picture_of_frame(frame));
+  for (int frame = 0; frame < kWritten; ++frame) writer.write(image_of_frame(frame));
   writer.commit();
 }
 
@@ -42,7 +42,7 @@ TEST(VideoWriter, LosslessVideoReadsBackAsWritten) {
     for (int frame = 0; frame < kWritten; ++frame) {
       const ReadResult result = reader.read({});
       ASSERT_EQ(result.status, ReadResult::Status::frame) << frame;
-      EXPECT_EQ(cv::norm(result.frame.grey, picture_of_frame(frame), cv::NORM_INF), 0) << frame;
+      EXPECT_EQ(cv::norm(result.frame.grey, image_of_frame(frame), cv::NORM_INF), 0) << frame;
       EXPECT_NEAR(to_seconds(result.frame.stamp), frame / rate_hz, 1e-5) << frame;
     }
   }
@@ -58,7 +58,7 @@ TEST(VideoWriter, StampsOfWholeRatesAreExact) {
   }
 }
 
-TEST(VideoWriter, SamePicturesGiveTheSameBytes) {
+TEST(VideoWriter, SameImagesGiveTheSameBytes) {
   const TemporaryFolder folder;
   encode_pattern(folder.path() / "a.mp4", 25, {});
   encode_pattern(folder.path() / "b.mp4", 25, {});
@@ -90,7 +90,7 @@ TEST(VideoWriter, LeavesNothingBehindUnlessCommitted) {
   const TemporaryFolder folder;
   {
     VideoWriter writer(folder.path() / "flight.mp4", {128, 96}, 25, {});
-    writer.write(picture_of_frame(0));
+    writer.write(image_of_frame(0));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

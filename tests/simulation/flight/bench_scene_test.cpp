@@ -31,7 +31,7 @@ TEST(BenchScene, MovesAsItsTwistSays) {
   }
 }
 
-TEST(BenchScene, DrawsFreshNoiseForEverySeedInBothPictures) {
+TEST(BenchScene, DrawsFreshNoiseForEverySeedInBothImages) {
   const BenchScene scene = make_bench_scene(kBenchSceneA, cv::Mat(), 1);
   const FramePair one = with_noise(scene, 1.5, 1);
   const FramePair again = with_noise(scene, 1.5, 1);

@@ -76,7 +76,7 @@ TEST(Film, RampsTheExposure) {
   }
 }
 
-TEST(Film, BlursMovingPicturesOnly) {
+TEST(Film, BlursMovingImagesOnly) {
   SimulationConfig config = small_flight();
   config.camera.noise_grey = 0;
   const auto sharpness = [](const cv::Mat& frame) {
@@ -116,7 +116,7 @@ TEST(Film, ExposesItsRowsOneAfterTheOther) {
   EXPECT_GT(difference(119, 10), 5);
 }
 
-TEST(Vehicle, CoversItsShareOfThePictureAtHalfTime) {
+TEST(Vehicle, CoversItsShareOfTheImageAtHalfTime) {
   SimulationConfig config = small_flight();
   config.camera.noise_grey = 0;
   config.flight.tilt_sway_deg = 0;
@@ -139,7 +139,7 @@ TEST(CameraMount, TiltsTowardsTheNose) {
   EXPECT_LT(
       (tilted * Eigen::Vector3d::UnitZ() - Eigen::Vector3d(0.5, 0, -0.5 * std::sqrt(3.0))).norm(),
       1e-12);
-  // the picture's right stays the body's right
+  // the image's right stays the body's right
   EXPECT_LT((tilted * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
 }
 

@@ -94,7 +94,7 @@ struct FaultyFlight {
   double beyond_station_m = 0;  ///< way since the fault's beginning, less that of the station
   double away_after_5_s_m = 0;  ///< from the start, from 5 s after the fault's end on
   double worst_place_m = 0;     ///< that the estimate was off by, from the fault's beginning on
-  double mean_nees_after = 0;   ///< of the pictures' pose, from the fault's end on
+  double mean_nees_after = 0;   ///< of the images' pose, from the fault's end on
   bool is_loss_told = false;    ///< by a verdict or a reason, while it lasts
   bool is_finite = true;        ///< every command
 };
@@ -174,7 +174,7 @@ TEST(Fault, BehindACoverTheDroneStaysNearAndSaysSo) {
   EXPECT_LT(flown.away_after_5_s_m, 0.4);
 }
 
-// 3 s of inertia are as far off as they are said to be, and then the first picture is found again.
+// 3 s of inertia are as far off as they are said to be, and then the first image is found again.
 // What its windows are off by hangs together: 12.6 is the 95 % quantile of one draw.
 TEST(Fault, AfterTheDarkThePlaceIsAsUncertainAsTheEstimateSays) {
   const FaultyFlight flown = fly_with(FaultKind::picture_dark);
@@ -183,7 +183,7 @@ TEST(Fault, AfterTheDarkThePlaceIsAsUncertainAsTheEstimateSays) {
   EXPECT_LT(flown.mean_nees_after, 12.6);
 }
 
-// These cost the estimate nothing that it would notice, or that it could: a picture less is a
+// These cost the estimate nothing that it would notice, or that it could: an image less is a
 // longer interval, a steady offset of the stamps looks like none, the walls outvote the floor, and
 // a bias is estimated. No verdict and no reason tells of them; the flight shows that they do act.
 class FaultThatIsNotTold : public testing::TestWithParam<FaultKind> {};

@@ -92,7 +92,7 @@ TEST(HoverTrial, TheRecordHasTheKicksThatTurnedTheDrone) {
   EXPECT_NEAR(record.samples.back().yaw_rad, sum_rad, 1e-9);
 }
 
-TEST(HoverTrial, TheObserverSeesEveryPictureInItsTurn) {
+TEST(HoverTrial, TheObserverSeesEveryImageInItsTurn) {
   HoverConfig config = short_trials();
   config.cycle = {.period_s = 0.2, .compute_s = 0.1};
   int seen = 0;

@@ -20,11 +20,11 @@ HoverConfig small_video() {
 }
 
 // What is sent of 1.05 s with a fault, while the drone goes ahead at 1 m/s.
-std::vector<SentPicture> sent_with(const FaultEffect& fault, bool is_stabilized = true,
-                                   const HoverConfig& config = small_video()) {
+std::vector<SentImage> sent_with(const FaultEffect& fault, bool is_stabilized = true,
+                                 const HoverConfig& config = small_video()) {
   static const HoverWorld room = make_hover_world(config);
   HoverVideo video(config, room, {.stabilized = is_stabilized});
-  std::vector<SentPicture> sent;
+  std::vector<SentImage> sent;
   for (int step = 0; step <= 125; ++step) {
     const Timestamp now = from_seconds(0.01 * step);
     DroneTruth truth;
@@ -37,12 +37,12 @@ std::vector<SentPicture> sent_with(const FaultEffect& fault, bool is_stabilized 
   return sent;
 }
 
-bool is_same_picture(const cv::Mat& a, const cv::Mat& b) {
+bool is_same_image(const cv::Mat& a, const cv::Mat& b) {
   return cv::countNonZero(a != b) == 0;
 }
 
-TEST(HoverVideo, SendsEachPictureOnceItsTimeHasPassed) {
-  const std::vector<SentPicture> sent = sent_with({});
+TEST(HoverVideo, SendsEachImageOnceItsTimeHasPassed) {
+  const std::vector<SentImage> sent = sent_with({});
   ASSERT_EQ(sent.size(), 12U);
   for (std::size_t i = 0; i < sent.size(); ++i) {
     EXPECT_EQ(sent[i].frame.stamp, from_seconds(0.1 * static_cast<double>(i)));
@@ -50,27 +50,27 @@ TEST(HoverVideo, SendsEachPictureOnceItsTimeHasPassed) {
     EXPECT_NEAR(sent[i].truth.world_from_body.translation.x(), to_seconds(sent[i].frame.stamp),
                 1e-12);
   }
-  EXPECT_FALSE(is_same_picture(sent[0].frame.grey, sent[1].frame.grey));
+  EXPECT_FALSE(is_same_image(sent[0].frame.grey, sent[1].frame.grey));
   EXPECT_TRUE(sent_with({}, false).empty());
 }
 
-TEST(HoverVideo, AFrozenOneSendsItsFirstPictureWithNewStamps) {
-  const std::vector<SentPicture> sent = sent_with({.is_video_frozen = true});
+TEST(HoverVideo, AFrozenOneSendsItsFirstImageWithNewStamps) {
+  const std::vector<SentImage> sent = sent_with({.is_video_frozen = true});
   ASSERT_EQ(sent.size(), 12U);
-  EXPECT_TRUE(is_same_picture(sent[11].frame.grey, sent[0].frame.grey));
+  EXPECT_TRUE(is_same_image(sent[11].frame.grey, sent[0].frame.grey));
   EXPECT_NE(sent[11].frame.grey.data, sent[0].frame.grey.data);
   EXPECT_EQ(sent[11].frame.stamp, from_seconds(1.1));
 }
 
-TEST(HoverVideo, EveryThirdPictureIsLost) {
-  const std::vector<SentPicture> sent = sent_with({.is_every_third_frame_lost = true});
+TEST(HoverVideo, EveryThirdImageIsLost) {
+  const std::vector<SentImage> sent = sent_with({.is_every_third_frame_lost = true});
   ASSERT_EQ(sent.size(), 8U);
   EXPECT_EQ(sent[1].frame.index, 1);
   EXPECT_EQ(sent[2].frame.index, 3);
 }
 
 TEST(HoverVideo, StampsAreOffAndTheTruthIsNot) {
-  const std::vector<SentPicture> sent = sent_with({.stamps_off_s = 0.05});
+  const std::vector<SentImage> sent = sent_with({.stamps_off_s = 0.05});
   EXPECT_EQ(sent[1].frame.stamp, from_seconds(0.15));
   EXPECT_NEAR(sent[1].truth.world_from_body.translation.x(), 0.1, 1e-12);
 }
@@ -81,16 +81,16 @@ TEST(HoverVideo, WithoutLightThereIsOnlyNoise) {
 }
 
 // The horizon of a camera that looks 15 degrees down is in row 59.5 - 120 tan(15 deg) = 27.
-TEST(HoverVideo, AFloorThatRisesChangesThePictureBelowTheHorizonOnly) {
+TEST(HoverVideo, AFloorThatRisesChangesTheImageBelowTheHorizonOnly) {
   const cv::Mat before = sent_with({})[0].frame.grey;
   const cv::Mat after = sent_with({.floor_moved_m = {0, 0, 0.3}})[0].frame.grey;
-  EXPECT_TRUE(is_same_picture(before.rowRange(0, 20), after.rowRange(0, 20)));
-  EXPECT_FALSE(is_same_picture(before.rowRange(80, 120), after.rowRange(80, 120)));
+  EXPECT_TRUE(is_same_image(before.rowRange(0, 20), after.rowRange(0, 20)));
+  EXPECT_FALSE(is_same_image(before.rowRange(80, 120), after.rowRange(80, 120)));
 }
 
-double deviation_of(const cv::Mat& picture) {
+double deviation_of(const cv::Mat& image) {
   cv::Scalar mean, deviation;
-  cv::meanStdDev(picture, mean, deviation);
+  cv::meanStdDev(image, mean, deviation);
   return deviation[0];
 }
 
@@ -115,15 +115,15 @@ TEST(HoverVideo, ExposureRisesAndFlickers) {
   HoverConfig config = small_video();
   config.plant.contrast_ratio = 0;
   config.plant.camera.gain_ramp_ratio = 0.3;
-  const std::vector<SentPicture> rising = sent_with({}, true, config);
+  const std::vector<SentImage> rising = sent_with({}, true, config);
   EXPECT_NEAR(cv::mean(rising[0].frame.grey)[0], 128, 0.1);
   EXPECT_NEAR(cv::mean(rising[10].frame.grey)[0], 128 * (1 + 0.3 * 1.0 / 43), 0.1);
   config.plant.camera.gain_ramp_ratio = 0;
   config.plant.camera.flicker_ratio = 0.05;
   double least = 255, most = 0;
-  for (const SentPicture& picture : sent_with({}, true, config)) {
-    least = std::min(least, cv::mean(picture.frame.grey)[0]);
-    most = std::max(most, cv::mean(picture.frame.grey)[0]);
+  for (const SentImage& image : sent_with({}, true, config)) {
+    least = std::min(least, cv::mean(image.frame.grey)[0]);
+    most = std::max(most, cv::mean(image.frame.grey)[0]);
   }
   EXPECT_GT(most - least, 0.05 * 128);
   EXPECT_GT(least, 128 * 0.95 - 0.1);
@@ -135,11 +135,11 @@ TEST(HoverVideo, WhoPassesIsSeenAndMoves) {
   HoverConfig config = small_video();
   config.plant.camera.noise_grey = 0;
   const cv::Mat empty = sent_with({}, true, config)[0].frame.grey;
-  config.plant.passers = PasserConfig{.reach_m = 0.5};
-  const std::vector<SentPicture> sent = sent_with({}, true, config);
-  EXPECT_FALSE(is_same_picture(empty, sent[0].frame.grey));
-  EXPECT_TRUE(is_same_picture(empty.rowRange(0, 40), sent[0].frame.grey.rowRange(0, 40)));
-  EXPECT_FALSE(is_same_picture(sent[0].frame.grey, sent_with({}, true, config)[1].frame.grey));
+  config.plant.moving_objects = MovingObjectConfig{.reach_m = 0.5};
+  const std::vector<SentImage> sent = sent_with({}, true, config);
+  EXPECT_FALSE(is_same_image(empty, sent[0].frame.grey));
+  EXPECT_TRUE(is_same_image(empty.rowRange(0, 40), sent[0].frame.grey.rowRange(0, 40)));
+  EXPECT_FALSE(is_same_image(sent[0].frame.grey, sent_with({}, true, config)[1].frame.grey));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace stillkite {
 namespace {
 
-// Noise alone, in grey values, of an even picture.
+// Noise alone, in grey values, of an even image.
 cv::Mat noise_of(double deviation, std::uint64_t seed) {
   const cv::Mat even(500, 701, CV_32FC1, cv::Scalar(128));
   cv::Mat noise;
@@ -31,7 +31,7 @@ TEST(Develop, NoiseHasTheGivenDeviationAndGaussianShape) {
   EXPECT_NEAR(square.dot(square) / count / (variance * variance), 2.85, 0.03);
 }
 
-TEST(Develop, NoiseIsIndependentBetweenPixelsAndPictures) {
+TEST(Develop, NoiseIsIndependentBetweenPixelsAndImages) {
   const cv::Mat noise = noise_of(10, 5);
   const double limit = 4.5 / std::sqrt(static_cast<double>(noise.total()));
   for (int dx = 0; dx <= 17; ++dx) {

@@ -43,20 +43,20 @@ Patch upright(const Eigen::Vector3d& middle, double width_m, double height_m,
 constexpr DistortionModel kLenses[] = {DistortionModel::none, DistortionModel::radial_tangential,
                                        DistortionModel::equidistant};
 
-double value_at(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
+double value_at(const cv::Mat& image, const Eigen::Vector2d& pixel) {
   cv::Mat value;
-  cv::getRectSubPix(picture, {1, 1}, {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())},
+  cv::getRectSubPix(image, {1, 1}, {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())},
                     value);
   return value.at<float>(0, 0);
 }
 
 // How far the line of that grey passes by a pixel, along the gradient.
-double distance_to_level_px(const cv::Mat& picture, double grey, const Eigen::Vector2d& pixel) {
+double distance_to_level_px(const cv::Mat& image, double grey, const Eigen::Vector2d& pixel) {
   const auto slope = [&](const Eigen::Vector2d& half_step) {
-    return value_at(picture, pixel + half_step) - value_at(picture, pixel - half_step);
+    return value_at(image, pixel + half_step) - value_at(image, pixel - half_step);
   };
   const double gradient = std::hypot(slope({0.5, 0}), slope({0, 0.5}));
-  return std::abs(value_at(picture, pixel) - grey) / gradient;
+  return std::abs(value_at(image, pixel) - grey) / gradient;
 }
 
 // Four squares, seen aslant: points on the edges between them appear where `project` puts them.
@@ -75,7 +75,7 @@ TEST(PatchRenderer, ShowsEdgesWhereTheyProject) {
     const PatchRenderer renderer(camera, 4);
     for (const double yaw_deg : {-20.0, -9.0, 0.0, 13.0, 20.0}) {
       const RigidTransform pose = looking_ahead(yaw_deg, 80, {0.4, 1.1, 1.5});
-      const cv::Mat picture = renderer.render({.patches = {patch}, .background_grey = 120}, pose);
+      const cv::Mat image = renderer.render({.patches = {patch}, .background_grey = 120}, pose);
       for (const double along_texels : {60.0, 100.0, 150.0, 250.0, 300.0, 340.0}) {
         for (const Eigen::Vector2d& texel : {Eigen::Vector2d(along_texels, kSquare - 0.5),
                                              Eigen::Vector2d(kSquare - 0.5, along_texels)}) {
@@ -83,7 +83,7 @@ TEST(PatchRenderer, ShowsEdgesWhereTheyProject) {
               patch.corner_in_world_m + 0.01 * Eigen::Vector3d(0, -texel.x(), -texel.y());
           const Eigen::Vector2d pixel = *project(camera, pose.inverse() * point);
           if (pixel.x() < 2 || pixel.x() > camera.width_px - 3) continue;
-          EXPECT_LT(distance_to_level_px(picture, 125, pixel), 0.05) << name_of(lens);
+          EXPECT_LT(distance_to_level_px(image, 125, pixel), 0.05) << name_of(lens);
           ++points;
         }
       }
@@ -105,7 +105,7 @@ TEST(PatchRenderer, ShowsTheNearestPatchInEveryPixel) {
     for (const RigidTransform& pose :
          {looking_ahead(0, 75, {0, 0, 3}), looking_ahead(140, 60, {2, 1, 2.2}),
           looking_ahead(-80, 20, {-1, 2, 3.5})}) {
-      const cv::Mat picture = renderer.render(scene, pose);
+      const cv::Mat image = renderer.render(scene, pose);
       int edges = 0;
       for (int row = 0; row < camera.height_px; ++row) {
         for (int column = 0; column < camera.width_px; ++column) {
@@ -114,7 +114,7 @@ TEST(PatchRenderer, ShowsTheNearestPatchInEveryPixel) {
           ASSERT_TRUE(hit);
           const auto number = static_cast<float>(hit->patch - scene.patches.data() + 1);
           // single precision may decide otherwise on the very edge
-          if (std::abs(picture.at<float>(row, column) - number) > 1e-3) ++edges;
+          if (std::abs(image.at<float>(row, column) - number) > 1e-3) ++edges;
         }
       }
       EXPECT_LE(edges, 3) << name_of(lens);
@@ -158,30 +158,29 @@ TEST(PatchRenderer, ShowsAPatchTheSameWhereItCoversATileAndWhereItSharesIt) {
 }
 
 // Near enough that a sample is smaller than a texel, a pixel has the grey of the point it sees.
-TEST(PatchRenderer, ShowsThePicturesThemselves) {
+TEST(PatchRenderer, ShowsTheImagesThemselves) {
   cv::Mat grey = procedural_ground(300, 200, 7);
   cv::GaussianBlur(grey, grey, {}, 1.5);
   const auto texture = std::make_shared<GroundTexture>(grey, 0.05);
-  // the second goes on beyond its picture, mirrored
+  // the second goes on beyond its image, mirrored
   const PatchScene scene{
       .patches = {upright({4, 2, 1}, 5, 4, texture), upright({7, -20, 3}, 60, 25, texture)}};
   for (const DistortionModel lens : kLenses) {
     const Camera camera = small_camera(lens);
     const RigidTransform pose = looking_ahead(-20, 95, {0, 0, 2});
-    const cv::Mat picture = PatchRenderer(camera, 1).render(scene, pose);
+    const cv::Mat image = PatchRenderer(camera, 1).render(scene, pose);
     int seen = 0;
     for (int row = 0; row < camera.height_px; row += 3) {
       for (int column = 0; column < camera.width_px; column += 3) {
         const std::optional<PatchHit> hit =
             first_hit(scene, ray_of(pose, *undistort(camera, {double(column), double(row)})));
         if (!hit) {
-          ASSERT_EQ(picture.at<float>(row, column), 200.0F);
+          ASSERT_EQ(image.at<float>(row, column), 200.0F);
           continue;
         }
         if (std::pow(hit->depth, 3) / 4 > std::pow(0.05 * 168, 2)) continue;
         ++seen;
-        ASSERT_NEAR(picture.at<float>(row, column), grey_at(*hit->patch, hit->point_in_world_m),
-                    0.1);
+        ASSERT_NEAR(image.at<float>(row, column), grey_at(*hit->patch, hit->point_in_world_m), 0.1);
       }
     }
     EXPECT_GT(seen, 1000);
@@ -196,11 +195,11 @@ TEST(PatchRenderer, AveragesWhatIsFar) {
   }
   const auto texture = std::make_shared<GroundTexture>(squares, 0.02);
   const auto contrast_at = [&](double distance_m) {
-    const cv::Mat picture = PatchRenderer(small_camera(), 2)
-                                .render({.patches = {upright({distance_m, 0, 0}, 20, 20, texture)}},
-                                        looking_ahead(0, 90, {0, 0, 0}));
+    const cv::Mat image = PatchRenderer(small_camera(), 2)
+                              .render({.patches = {upright({distance_m, 0, 0}, 20, 20, texture)}},
+                                      looking_ahead(0, 90, {0, 0, 0}));
     cv::Scalar mean, deviation;
-    cv::meanStdDev(picture(cv::Rect(100, 62, 40, 40)), mean, deviation);
+    cv::meanStdDev(image(cv::Rect(100, 62, 40, 40)), mean, deviation);
     EXPECT_NEAR(mean[0], 120, 3);
     return deviation[0];
   };
@@ -209,7 +208,7 @@ TEST(PatchRenderer, AveragesWhatIsFar) {
 }
 
 // A ramp of grey stays where it is on every pyramid level.
-TEST(PatchRenderer, KeepsAPictureInItsPlaceOnEveryLevel) {
+TEST(PatchRenderer, KeepsAImageInItsPlaceOnEveryLevel) {
   cv::Mat ramp(256, 256, CV_8UC1);
   for (int v = 0; v < ramp.rows; ++v) {
     for (int u = 0; u < ramp.cols; ++u) ramp.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(u);
@@ -219,13 +218,13 @@ TEST(PatchRenderer, KeepsAPictureInItsPlaceOnEveryLevel) {
     const PatchScene scene{.patches = {upright({8, 0, 0}, 255 * texel_m, 255 * texel_m,
                                                std::make_shared<GroundTexture>(ramp, texel_m))}};
     const RigidTransform pose = looking_ahead(5, 90, {0, 0.2, 0});
-    const cv::Mat picture = PatchRenderer(camera, 1).render(scene, pose);
+    const cv::Mat image = PatchRenderer(camera, 1).render(scene, pose);
     for (const double u : {70.0, 110.5, 180.25}) {
       const Eigen::Vector3d point =
           scene.patches[0].corner_in_world_m + texel_m * Eigen::Vector3d(0, -u, -128);
       const Eigen::Vector2d at = *project(camera, pose.inverse() * point);
       cv::Mat patch;
-      cv::getRectSubPix(picture, {1, 1}, {static_cast<float>(at.x()), static_cast<float>(at.y())},
+      cv::getRectSubPix(image, {1, 1}, {static_cast<float>(at.x()), static_cast<float>(at.y())},
                         patch);
       EXPECT_NEAR(patch.at<float>(0, 0), u, 0.5) << texel_m;
     }
@@ -249,7 +248,7 @@ Eigen::Vector2d wave_shift_px(double distance_m) {
       upright({distance_m, 0, 0}, 14, 14, std::make_shared<GroundTexture>(waves, kTexel_m));
   const Camera camera = small_camera();
   const RigidTransform pose = looking_ahead(0, 90, {0, 0, 0});
-  const cv::Mat picture = PatchRenderer(camera, 4).render({.patches = {patch}}, pose);
+  const cv::Mat image = PatchRenderer(camera, 4).render({.patches = {patch}}, pose);
   using Vector5d = Eigen::Matrix<double, 5, 1>;
   Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
   Vector5d right = Vector5d::Zero();
@@ -264,7 +263,7 @@ Eigen::Vector2d wave_shift_px(double distance_m) {
       Vector5d waves_there;
       waves_there << 1, std::sin(u), std::cos(u), std::sin(v), std::cos(v);
       normal += waves_there * waves_there.transpose();
-      right += waves_there * picture.at<float>(row, column);
+      right += waves_there * image.at<float>(row, column);
     }
   }
   const Vector5d wave = normal.ldlt().solve(right);
@@ -320,9 +319,9 @@ TEST(PatchRenderer, MovesAnEdgeAlongThePixelsInEvenSteps) {
     const Eigen::Vector3d way(0, is_level ? 0 : -pixel_m, is_level ? pixel_m : 0);
     std::vector<double> light;
     for (int step = 0; step <= kSteps; ++step) {
-      const cv::Mat picture = renderer.render(scene, looking_ahead(0, 90, step * way / kSteps));
-      light.push_back(seen_px(is_level ? picture.col(camera.width_px / 2).clone()
-                                       : picture.row(camera.height_px / 2).t()));
+      const cv::Mat image = renderer.render(scene, looking_ahead(0, 90, step * way / kSteps));
+      light.push_back(seen_px(is_level ? image.col(camera.width_px / 2).clone()
+                                       : image.row(camera.height_px / 2).t()));
     }
     double largest = 0;
     for (int step = 0; step < kSteps; ++step) {

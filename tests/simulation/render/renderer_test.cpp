@@ -50,7 +50,7 @@ TEST_P(EveryPixel, ShowsTheGroundPointThatProjectsToIt) {
   const Scene scene{
       .ground = smooth_ground(texel_m),
       .relief = look.relief ? std::make_shared<Relief>(ReliefConfig{5, 50}, 3) : nullptr};
-  const cv::Mat picture = Renderer(camera, 1).render(scene, look.world_from_camera);
+  const cv::Mat image = Renderer(camera, 1).render(scene, look.world_from_camera);
   Random random(11);
   int seen = 0;
   for (int k = 0; k < 4000; ++k) {
@@ -66,7 +66,7 @@ TEST_P(EveryPixel, ShowsTheGroundPointThatProjectsToIt) {
         in_camera.z() * in_camera.z() / look.world_from_camera.translation.z() / 168.0 / texel_m;
     if (footprint > 1) continue;
     ++seen;
-    ASSERT_NEAR(picture.at<float>(row, column), scene.ground->grey_at(point->head<2>()),
+    ASSERT_NEAR(image.at<float>(row, column), scene.ground->grey_at(point->head<2>()),
                 look.relief ? 0.25 : 0.05)
         << "at " << column << ", " << row;
   }
@@ -91,7 +91,7 @@ TEST(Renderer, AveragesTheSamplesOfAPixel) {
   const Camera camera = small_camera();
   const Scene scene{.ground = smooth_ground(0.9)};
   const RigidTransform pose = tilted(10, 5, -3, {0, 0, 100});
-  const cv::Mat picture = Renderer(camera, 2).render(scene, pose);
+  const cv::Mat image = Renderer(camera, 2).render(scene, pose);
   for (int k = 0; k < 200; ++k) {
     const int column = 1 + k;
     const int row = 20 + k % 100;
@@ -103,12 +103,12 @@ TEST(Renderer, AveragesTheSamplesOfAPixel) {
                     ground_point(camera, pose, nullptr, {column + right, row + down})->head<2>());
       }
     }
-    ASSERT_NEAR(picture.at<float>(row, column), mean, 0.05);
+    ASSERT_NEAR(image.at<float>(row, column), mean, 0.05);
   }
 }
 
-// Two pictures of a plane differ by the homography H = dR + t n^T / h.
-TEST(Renderer, PicturesOfAPlaneAreRelatedByItsHomography) {
+// Two images of a plane differ by the homography H = dR + t n^T / h.
+TEST(Renderer, ImagesOfAPlaneAreRelatedByItsHomography) {
   const Camera camera = small_camera();
   const Scene scene{.ground = smooth_ground(1.6)};
   const RigidTransform first = tilted(10, 5, -3, {0, 0, 100});
@@ -149,11 +149,11 @@ TEST(Renderer, ShowsSkyAboveTheHorizonAndAveragesFarGround) {
   }
   const Scene scene{.ground = std::make_shared<GroundTexture>(checkers, 0.2), .sky_grey = 230};
   // the optical axis on the horizon: pitching nose down by -90 degrees turns the camera's eye level
-  const cv::Mat picture = Renderer(camera, 2).render(scene, tilted(0, -90, 0, {0, 0, 50}));
+  const cv::Mat image = Renderer(camera, 2).render(scene, tilted(0, -90, 0, {0, 0, 50}));
   for (int column = 0; column < camera.width_px; column += 7) {
-    for (int row = 0; row < 80; ++row) ASSERT_EQ(picture.at<float>(row, column), 230.0F);
+    for (int row = 0; row < 80; ++row) ASSERT_EQ(image.at<float>(row, column), 230.0F);
     for (int row = 83; row < camera.height_px; ++row) {
-      ASSERT_NEAR(picture.at<float>(row, column), 120, 12);
+      ASSERT_NEAR(image.at<float>(row, column), 120, 12);
     }
   }
 }
@@ -166,7 +166,7 @@ TEST(Renderer, PaintsTheVehicleWhereItStands) {
                     .vehicle = std::make_shared<GroundTexture>(white, 1.0)};
   const RigidTransform pose = tilted(25, 8, -4, {0, 0, 100});
   const VehiclePlacement vehicle{{6, -9}, 0.7, 30, 12};
-  const cv::Mat picture = Renderer(camera, 1).render(scene, pose, vehicle);
+  const cv::Mat image = Renderer(camera, 1).render(scene, pose, vehicle);
   const Eigen::Rotation2Dd vehicle_from_world(-vehicle.heading_rad);
   for (int row = 0; row < camera.height_px; ++row) {
     for (int column = 0; column < camera.width_px; ++column) {
@@ -175,7 +175,7 @@ TEST(Renderer, PaintsTheVehicleWhereItStands) {
           vehicle_from_world * (point->head<2>() - vehicle.centre_in_world_m);
       const double edge = std::max(std::abs(at.x()) - 15, std::abs(at.y()) - 6);
       if (std::abs(edge) < 1e-3) continue;
-      ASSERT_EQ(picture.at<float>(row, column), edge < 0 ? 255.0F : 0.0F);
+      ASSERT_EQ(image.at<float>(row, column), edge < 0 ? 255.0F : 0.0F);
     }
   }
 }

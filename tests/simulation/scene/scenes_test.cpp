@@ -30,9 +30,9 @@ cv::Mat photograph_of(const PatchScene& scene) {
   return develop(PatchRenderer(kCamera, 2).render(scene, start_pose()), {.noise_grey = 2}, 1);
 }
 
-int corners_in(const cv::Mat& picture) {
+int corners_in(const cv::Mat& image) {
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(picture, corners, 10000, 0.01, 2, {}, 3);
+  cv::goodFeaturesToTrack(image, corners, 10000, 0.01, 2, {}, 3);
   return static_cast<int>(corners.size());
 }
 
@@ -47,7 +47,7 @@ TEST(Scenes, HaveCornersToTrackAtTheStart) {
   EXPECT_GT(corners_in(photograph_of(make_coast(1))), 1500);
 }
 
-TEST(Scenes, AreTheSameForTheSameSeedOnlyAndHaveNoTwoPicturesAlike) {
+TEST(Scenes, AreTheSameForTheSameSeedOnlyAndHaveNoTwoImagesAlike) {
   const PatchScene room = make_room(1);
   const auto is_like = [](const Patch& a, const Patch& b) {
     return std::equal(a.texture->pairs(), a.texture->pairs() + 128, b.texture->pairs());
@@ -57,9 +57,9 @@ TEST(Scenes, AreTheSameForTheSameSeedOnlyAndHaveNoTwoPicturesAlike) {
       ASSERT_FALSE(is_like(room.patches[k], room.patches[other])) << k << ", " << other;
     }
   }
-  const cv::Mat picture = photograph_of(room);
-  EXPECT_EQ(cv::norm(picture, photograph_of(make_room(1)), cv::NORM_INF), 0);
-  EXPECT_GT(cv::norm(picture, photograph_of(make_room(2)), cv::NORM_L1) / (800 * 480), 10);
+  const cv::Mat image = photograph_of(room);
+  EXPECT_EQ(cv::norm(image, photograph_of(make_room(1)), cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(image, photograph_of(make_room(2)), cv::NORM_L1) / (800 * 480), 10);
 }
 
 // From its middle a closed room has a wall in every direction, none farther than its corners.

@@ -3,10 +3,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "flow/picture_mask.hpp"
+#include "flow/image_mask.hpp"
 #include "tests/navigation/rendered_flight.hpp"
 
-// What is fixed to the camera: legs on a fifth of the picture, with bolts on them.
+// What is fixed to the camera: legs on a fifth of the image, with bolts on them.
 
 namespace stillkite {
 namespace {
@@ -25,8 +25,8 @@ const RenderedFlight& flight() {
 
 const cv::Rect kLegs[] = {{0, 120, 100, 240}, {540, 120, 100, 240}};
 
-cv::Mat with_legs(const cv::Mat& picture) {
-  cv::Mat painted = picture.clone();
+cv::Mat with_legs(const cv::Mat& image) {
+  cv::Mat painted = image.clone();
   for (const cv::Rect& leg : kLegs) {
     cv::rectangle(painted, leg, 45, -1);
     for (int y = leg.y + 20; y < leg.y + leg.height; y += 50) {
@@ -38,15 +38,15 @@ cv::Mat with_legs(const cv::Mat& picture) {
   return painted;
 }
 
-std::shared_ptr<const PictureMask> legs_mask() {
-  const cv::Mat& picture = flight().frames.front().grey;
-  cv::Mat shows_world(picture.size(), CV_8U, cv::Scalar(255));
+std::shared_ptr<const ImageMask> legs_mask() {
+  const cv::Mat& image = flight().frames.front().grey;
+  cv::Mat shows_world(image.size(), CV_8U, cv::Scalar(255));
   for (const cv::Rect& leg : kLegs) shows_world(leg) = 0;
-  return std::make_shared<const PictureMask>(shows_world);
+  return std::make_shared<const ImageMask>(shows_world);
 }
 
 std::vector<NavigationEstimate> fly_with_legs(Policy policy,
-                                              const std::shared_ptr<const PictureMask>& mask) {
+                                              const std::shared_ptr<const ImageMask>& mask) {
   std::vector<Frame> frames = flight().frames;
   for (Frame& frame : frames) {
     frame.grey = with_legs(frame.grey);
@@ -89,23 +89,24 @@ TEST_P(Legs, DoNoHarmBehindAMask) {
     EXPECT_TRUE(is_measured(e.verdict)) << e.frame_index;
 }
 
-INSTANTIATE_TEST_SUITE_P(Fixtures, Legs, testing::Values(Policy::flow, Policy::best, Policy::fused),
+INSTANTIATE_TEST_SUITE_P(StaticOverlays, Legs,
+                         testing::Values(Policy::flow, Policy::best, Policy::fused),
                          [](const auto& policy) { return std::string(name_of(policy.param)); });
 
-TEST(Fixtures, AMaskOfAnotherSizeIsRefused) {
+TEST(StaticOverlays, AMaskOfAnotherSizeIsRefused) {
   Navigator navigator = flight().navigator();
   Frame frame = flight().frames.front();
-  frame.mask = std::make_shared<const PictureMask>(cv::Mat(10, 10, CV_8U, cv::Scalar(255)));
+  frame.mask = std::make_shared<const ImageMask>(cv::Mat(10, 10, CV_8U, cv::Scalar(255)));
   EXPECT_THROW(navigator.step(frame), InputError);
 }
 
-TEST(Fixtures, AFlightWithoutThemHidesNothing) {
+TEST(StaticOverlays, AFlightWithoutThemHidesNothing) {
   const auto estimates = test::fly(flight().navigator(), flight().frames);
   for (const NavigationEstimate& e : estimates) EXPECT_EQ(e.hidden_ratio, 0) << e.frame_index;
 }
 
 // The reference alone learns of no motion, but leaves out what a mask hides, however it follows.
-TEST(Fixtures, AMaskHidesTheReferencesFeatures) {
+TEST(StaticOverlays, AMaskHidesTheReferencesFeatures) {
   for (const Association association :
        {Association::windows, Association::opencv, Association::matching}) {
     NavigatorConfig config;

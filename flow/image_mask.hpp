@@ -4,17 +4,17 @@
 
 namespace stillkite {
 
-/// Which part of the camera's picture shows no world: text burnt in, the aircraft's own legs.
-class PictureMask {
+/// Which part of the camera's image shows no world: text burnt in, the aircraft's own legs.
+class ImageMask {
  public:
-  /// CV_8UC1 of the picture's size, 0 where no world is shown; the pixels are shared, not copied.
+  /// CV_8UC1 of the image's size, 0 where no world is shown; the pixels are shared, not copied.
   /// InputError if it is another type.
-  explicit PictureMask(const cv::Mat& shows_world);
+  explicit ImageMask(const cv::Mat& shows_world);
 
   [[nodiscard]] const cv::Mat& shows_world() const { return shows_world_; }
-  /// Of the whole picture.
+  /// Of the whole image.
   [[nodiscard]] double hidden_ratio() const;
-  /// Of the part of a window about a point that lies in the picture; 1 where none does.
+  /// Of the part of a window about a point that lies in the image; 1 where none does.
   [[nodiscard]] float hidden_ratio(float x_px, float y_px, float width_px, float height_px) const;
 
  private:

@@ -1,4 +1,4 @@
-#include "simulation/hover/hover_inbox.hpp"
+#include "simulation/hover/sensor_buffer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,14 +14,14 @@ HoverReadings attitude_at(double t_s, double rate_rad_s) {
   return readings;
 }
 
-std::vector<InertialReading> inertial_until(HoverInbox& inbox, double t_s) {
+std::vector<InertialReading> inertial_until(SensorBuffer& inbox, double t_s) {
   return inbox.readings(from_seconds(t_s), Eigen::Quaterniond::Identity(), from_seconds(1))
       .others.inertial;
 }
 
 // Which would else be a time in which the drone may do anything.
-TEST(HoverInbox, CutsTheReadingDuringWhichAPictureIsTaken) {
-  HoverInbox inbox(Eigen::Quaterniond::Identity());
+TEST(SensorBuffer, CutsTheReadingDuringWhichAImageIsTaken) {
+  SensorBuffer inbox(Eigen::Quaterniond::Identity());
   for (const double t_s : {0.005, 0.010, 0.015}) inbox.take(attitude_at(t_s, 100 * t_s));
   const std::vector<InertialReading> first = inertial_until(inbox, 0.008);
   ASSERT_EQ(first.size(), 2u);

@@ -1,4 +1,4 @@
-#include "flow/picture_search.hpp"
+#include "flow/image_search.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLongestSide_px = 160;
 constexpr double kLeastOverlap = 0.25;
-constexpr double kLeastVariance = 0.5;  // grey^2 a pixel; less is a bare picture
+constexpr double kLeastVariance = 0.5;  // grey^2 a pixel; less is a bare image
 constexpr int kPeaksPerTurn = 2;
 constexpr int kPeakRadius_px = 4;
 constexpr std::size_t kMostAnswers = 3;
@@ -28,21 +28,21 @@ cv::Mat small_copy(const cv::Mat& grey, cv::Size size) {
   return fine - slow;
 }
 
-cv::Mat spectrum(const cv::Mat& picture, cv::Size padded) {
+cv::Mat spectrum(const cv::Mat& image, cv::Size padded) {
   cv::Mat field = cv::Mat::zeros(padded, CV_32F);
-  picture.copyTo(field(cv::Rect({}, picture.size())));
+  image.copyTo(field(cv::Rect({}, image.size())));
   cv::dft(field, field);
   return field;
 }
 
-// Of a picture and where it has pixels: mask, values and squares.
+// Of an image and where it has pixels: mask, values and squares.
 struct Spectra {
   cv::Mat mask, values, squares;
 
-  Spectra(const cv::Mat& picture, const cv::Mat& seen, cv::Size padded)
+  Spectra(const cv::Mat& image, const cv::Mat& seen, cv::Size padded)
       : mask(spectrum(seen, padded)),
-        values(spectrum(picture.mul(seen), padded)),
-        squares(spectrum(picture.mul(picture).mul(seen), padded)) {}
+        values(spectrum(image.mul(seen), padded)),
+        squares(spectrum(image.mul(image).mul(seen), padded)) {}
 };
 
 // Sum over x of a(x) b(x + shift), at every shift; the negative ones wrap round.
@@ -89,7 +89,7 @@ double peak_between(float before, float at, float after) {
 }
 
 struct ScoredShift {
-  PictureShift shift;  // in pixels of the small copies
+  ImageShift shift;  // in pixels of the small copies
   double score = 0;
 };
 
@@ -118,7 +118,7 @@ ScoredShift take_peak(CorrelationMap& map) {
   return out;
 }
 
-// A turn about the picture's middle, x axis to y axis.
+// A turn about the image's middle, x axis to y axis.
 Eigen::Matrix3d turn_about_middle(cv::Size size, double turn_rad) {
   const Eigen::Vector2d middle(0.5 * (size.width - 1), 0.5 * (size.height - 1));
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
@@ -127,12 +127,12 @@ Eigen::Matrix3d turn_about_middle(cv::Size size, double turn_rad) {
   return turn;
 }
 
-Spectra seen_through(const Eigen::Matrix3d& view, const cv::Mat& picture, cv::Size padded) {
+Spectra seen_through(const Eigen::Matrix3d& view, const cv::Mat& image, cv::Size padded) {
   cv::Mat homography, warped, seen;
   cv::eigen2cv(view, homography);
-  const cv::Mat all = cv::Mat::ones(picture.size(), CV_32F);
-  cv::warpPerspective(picture, warped, homography, picture.size());
-  cv::warpPerspective(all, seen, homography, picture.size(), cv::INTER_NEAREST);
+  const cv::Mat all = cv::Mat::ones(image.size(), CV_32F);
+  cv::warpPerspective(image, warped, homography, image.size());
+  cv::warpPerspective(all, seen, homography, image.size(), cv::INTER_NEAREST);
   return {warped, seen, padded};
 }
 
@@ -162,9 +162,9 @@ Eigen::Matrix3d shrunk(const Eigen::Matrix3d& view, double across, double down) 
 
 }  // namespace
 
-std::vector<PictureShift> find_shifts(const cv::Mat& reference, const cv::Mat& current,
-                                      const Eigen::Matrix3d& view,
-                                      std::span<const double> turns_rad) {
+std::vector<ImageShift> find_shifts(const cv::Mat& reference, const cv::Mat& current,
+                                    const Eigen::Matrix3d& view,
+                                    std::span<const double> turns_rad) {
   const double shrink = std::min(1.0, kLongestSide_px / std::max(reference.cols, reference.rows));
   const cv::Size size(std::max(1, static_cast<int>(std::lround(shrink * reference.cols))),
                       std::max(1, static_cast<int>(std::lround(shrink * reference.rows))));
@@ -175,11 +175,11 @@ std::vector<PictureShift> find_shifts(const cv::Mat& reference, const cv::Mat& c
                      shrunk(view, across, down), turns_rad);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.score > b.score; });
-  std::vector<PictureShift> out;
+  std::vector<ImageShift> out;
   for (const ScoredShift& next : found) {
-    PictureShift shift = next.shift;
+    ImageShift shift = next.shift;
     shift.shift_px = shift.shift_px.cwiseProduct(Eigen::Vector2d(across, down));
-    const bool is_new = std::none_of(out.begin(), out.end(), [&](const PictureShift& known) {
+    const bool is_new = std::none_of(out.begin(), out.end(), [&](const ImageShift& known) {
       return (known.shift_px - shift.shift_px).norm() <= kPeakRadius_px * across;
     });
     if (next.score > 0 && is_new && out.size() < kMostAnswers) out.push_back(shift);

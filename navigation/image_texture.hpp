@@ -4,8 +4,8 @@
 
 namespace stillkite {
 
-/// Share of the blocks of a picture (CV_8UC1) that show texture: black, white, foggy, blurred and
-/// sky-only pictures have next to none. Meant for a coarse level of a pyramid, where noise is
+/// Share of the blocks of an image (CV_8UC1) that show texture: black, white, foggy, blurred and
+/// sky-only images have next to none. Meant for a coarse level of a pyramid, where noise is
 /// averaged away.
 [[nodiscard]] double textured_share(const cv::Mat& grey);
 

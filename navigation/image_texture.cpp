@@ -1,4 +1,4 @@
-#include "navigation/picture_texture.hpp"
+#include "navigation/image_texture.hpp"
 
 #include <cstdint>
 #include <opencv2/core.hpp>

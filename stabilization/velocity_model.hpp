@@ -12,11 +12,11 @@ namespace stillkite {
 using LevelMotion = Eigen::Vector4d;
 
 /// What the drone's own commands have done to it by a model: each follows with a first-order lag,
-/// w' = (u - w) / lag_s. From this a controller knows, before any picture does, how far the drone
+/// w' = (u - w) / lag_s. From this a controller knows, before any image does, how far the drone
 /// has come since an exposure and what it will still coast (Smith 1957).
-class OwnMotion {
+class VelocityModel {
  public:
-  explicit OwnMotion(double lag_s) : lag_s_(lag_s) {}
+  explicit VelocityModel(double lag_s) : lag_s_(lag_s) {}
 
   /// To `now`, under the command that was given last. What is not later changes nothing.
   void advance(Timestamp now);

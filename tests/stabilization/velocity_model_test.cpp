@@ -1,4 +1,4 @@
-#include "stabilization/own_motion.hpp"
+#include "stabilization/velocity_model.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@ namespace {
 const LevelMotion kCommand(0.2, -0.1, 0.05, 0.3);
 constexpr double kLag_s = 0.5;
 
-TEST(OwnMotion, FollowsAStepAsAFirstOrderLag) {
-  OwnMotion own(kLag_s);
+TEST(VelocityModel, FollowsAStepAsAFirstOrderLag) {
+  VelocityModel own(kLag_s);
   own.advance({});
   own.set_command(kCommand);
   for (int k = 1; k <= 60; ++k) {
@@ -28,8 +28,8 @@ TEST(OwnMotion, FollowsAStepAsAFirstOrderLag) {
             0.03 * 0.03 / 8 * kCommand.norm() / kLag_s);
 }
 
-TEST(OwnMotion, RemembersAsFarAsItCan) {
-  OwnMotion own(0);
+TEST(VelocityModel, RemembersAsFarAsItCan) {
+  VelocityModel own(0);
   own.set_command(kCommand);
   for (int k = 0; k < 1000; ++k) own.advance(from_seconds(0.01 * k));
   EXPECT_LT((own.way_since(from_seconds(9.49)) - 0.5 * kCommand).norm(), 1e-9);
@@ -37,8 +37,8 @@ TEST(OwnMotion, RemembersAsFarAsItCan) {
   EXPECT_EQ(own.way_since(from_seconds(20)).norm(), 0);
 }
 
-TEST(OwnMotion, NoTimeNoMotion) {
-  OwnMotion own(kLag_s);
+TEST(VelocityModel, NoTimeNoMotion) {
+  VelocityModel own(kLag_s);
   EXPECT_EQ(own.way_since({}).norm(), 0);
   own.advance(from_seconds(1));
   own.set_command(kCommand);

@@ -1,8 +1,8 @@
-#include "simulation/hover/hover_inbox.hpp"
+#include "simulation/hover/sensor_buffer.hpp"
 
 namespace stillkite {
 
-void HoverInbox::take(const HoverReadings& readings) {
+void SensorBuffer::take(const HoverReadings& readings) {
   for (const TetherSample& sample : readings.tether) tether_.push_back(sample);
   for (const AttitudeReading& reading : readings.attitude) {
     attitude_ = reading.world_from_body;
@@ -11,22 +11,22 @@ void HoverInbox::take(const HoverReadings& readings) {
   }
 }
 
-TetheredReadings HoverInbox::readings(Timestamp stamp, const Eigen::Quaterniond& attitude,
-                                      Timestamp now) {
+TetheredReadings SensorBuffer::readings(Timestamp stamp, const Eigen::Quaterniond& attitude,
+                                        Timestamp now) {
   return {.now = now,
           .tether = latest_tether(now),
           .station_from_body = station_from_world_ * attitude,
           .others = {.attitude = attitude, .inertial = take_inertial(stamp)}};
 }
 
-std::optional<TetherReading> HoverInbox::latest_tether(Timestamp now) {
+std::optional<TetherReading> SensorBuffer::latest_tether(Timestamp now) {
   while (tether_.size() > 1 && tether_[1].available <= now) tether_.pop_front();
   if (tether_.empty() || tether_.front().available > now) return std::nullopt;
   const TetherSample& latest = tether_.front();
   return TetherReading{latest.stamp, latest.tether, latest.taut};
 }
 
-std::vector<InertialReading> HoverInbox::take_inertial(Timestamp until) {
+std::vector<InertialReading> SensorBuffer::take_inertial(Timestamp until) {
   std::vector<InertialReading> taken;
   while (!inertial_.empty() && inertial_.front().stamp <= until) {
     taken.push_back(inertial_.front());

@@ -20,7 +20,7 @@ struct SurfaceStyle {
 };
 
 /// CV_8UC1, the same for the same seed.
-[[nodiscard]] cv::Mat surface_picture(const SurfaceStyle& style, int width, int height,
-                                      std::uint64_t seed);
+[[nodiscard]] cv::Mat surface_image(const SurfaceStyle& style, int width, int height,
+                                    std::uint64_t seed);
 
 }  // namespace stillkite

@@ -1,4 +1,4 @@
-#include "stabilization/turn_to_way.hpp"
+#include "stabilization/azimuth_to_displacement.hpp"
 
 #include <algorithm>
 #include <array>
@@ -69,8 +69,8 @@ double lowest_between(double left, double middle, double right) {
 
 }  // namespace
 
-double turn_to_way_rad_s(double azimuth_rad, const LevelWay& way, const AzimuthDrive& drive,
-                         double horizon_s) {
+double azimuth_to_displacement_rad_s(double azimuth_rad, const LevelWay& way,
+                                     const AzimuthDrive& drive, double horizon_s) {
   const double step_s = horizon_s / kSteps;
   const Ahead ahead = look_ahead(way, step_s);
   const double first_s = followed_s(step_s, drive.lag_s);

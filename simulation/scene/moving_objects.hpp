@@ -10,7 +10,7 @@ namespace stillkite {
 
 /// People who walk to and fro before the camera. The defaults fit into the room, before its
 /// furniture.
-struct PasserConfig {
+struct MovingObjectConfig {
   int count = 2;
   double width_m = 0.6;
   double height_m = 1.8;
@@ -29,18 +29,20 @@ struct PasserConfig {
   }
 };
 
-struct Passer {
+struct MovingObject {
   Patch at_middle;          ///< of the way
   double way_before_m = 0;  ///< gone before time 0, from the middle towards +y
 };
 
 /// Textured upright rectangles, seen from their front only, which is towards -x: a thing that is
 /// flat and does not swing its arms. The seed tells where on their ways they start.
-[[nodiscard]] std::vector<Passer> make_passers(const PasserConfig& config, std::uint64_t seed);
+[[nodiscard]] std::vector<MovingObject> make_moving_objects(const MovingObjectConfig& config,
+                                                            std::uint64_t seed);
 
 /// The scene with them where they are at that time: what is nearer hides what is behind. While the
 /// shutter is open they stand still, 8 mm at 1 m/s and 8 ms.
-[[nodiscard]] PatchScene with_passers(PatchScene scene, const PasserConfig& config,
-                                      const std::vector<Passer>& passers, double t_s);
+[[nodiscard]] PatchScene with_moving_objects(PatchScene scene, const MovingObjectConfig& config,
+                                             const std::vector<MovingObject>& moving_objects,
+                                             double t_s);
 
 }  // namespace stillkite

@@ -1,11 +1,11 @@
-#include "stabilization/own_motion.hpp"
+#include "stabilization/velocity_model.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace stillkite {
 
-void OwnMotion::advance(Timestamp now) {
+void VelocityModel::advance(Timestamp now) {
   Instant next{now};
   if (count_ > 0) {
     const Instant& last = past_[(count_ - 1) % kInstants];
@@ -21,16 +21,16 @@ void OwnMotion::advance(Timestamp now) {
   ++count_;
 }
 
-LevelMotion OwnMotion::way_since(Timestamp since) const {
+LevelMotion VelocityModel::way_since(Timestamp since) const {
   return count_ == 0 ? LevelMotion::Zero()
                      : LevelMotion(past_[(count_ - 1) % kInstants].way - at(since).way);
 }
 
-LevelMotion OwnMotion::rate_at(Timestamp then) const {
+LevelMotion VelocityModel::rate_at(Timestamp then) const {
   return at(then).rate;
 }
 
-OwnMotion::Instant OwnMotion::at(Timestamp then) const {
+VelocityModel::Instant VelocityModel::at(Timestamp then) const {
   if (count_ == 0) return {};
   const std::size_t kept = std::min(count_, kInstants);
   const Instant* later = &past_[(count_ - 1) % kInstants];

@@ -1,4 +1,4 @@
-#include "flow/fixture_finder.hpp"
+#include "flow/static_overlay_detector.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,13 +6,13 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "flow/picture_mask.hpp"
+#include "flow/image_mask.hpp"
 #include "geometry/fields.hpp"
 
 namespace stillkite {
 namespace {
 
-const cv::Size kPicture(320, 240);
+const cv::Size kImage(320, 240);
 const cv::Point kText(40, 60);
 constexpr double kStep_px = 5;
 
@@ -35,33 +35,33 @@ cv::Mat ground() {
 // The camera's noise and all; what it has flown over so far.
 cv::Mat seen(double way_px, const std::function<void(cv::Mat&)>& paint, int noise_seed) {
   static const cv::Mat kGround = ground();
-  cv::Mat picture;
+  cv::Mat image;
   const cv::Matx23d shift(1, 0, -way_px, 0, 1, 0);
-  cv::warpAffine(kGround, picture, shift, kPicture, cv::INTER_LINEAR);
-  if (paint) paint(picture);
-  cv::Mat noise(picture.size(), CV_16S), noisy;
+  cv::warpAffine(kGround, image, shift, kImage, cv::INTER_LINEAR);
+  if (paint) paint(image);
+  cv::Mat noise(image.size(), CV_16S), noisy;
   cv::RNG random(static_cast<std::uint64_t>(noise_seed) + 1);
   random.fill(noise, cv::RNG::NORMAL, 0, 2);
-  picture.convertTo(noisy, CV_16S);
+  image.convertTo(noisy, CV_16S);
   noisy += noise;
-  noisy.convertTo(picture, CV_8U);
-  return picture;
+  noisy.convertTo(image, CV_8U);
+  return image;
 }
 
-void write_text(cv::Mat& picture) {
-  cv::putText(picture, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 0, 3, cv::LINE_AA);
-  cv::putText(picture, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 255, 1, cv::LINE_AA);
+void write_text(cv::Mat& image) {
+  cv::putText(image, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 0, 3, cv::LINE_AA);
+  cv::putText(image, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 255, 1, cv::LINE_AA);
 }
 
 // Where the text's strokes are.
 cv::Mat text_px() {
-  cv::Mat strokes = cv::Mat::zeros(kPicture, CV_8U);
+  cv::Mat strokes = cv::Mat::zeros(kImage, CV_8U);
   cv::putText(strokes, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 255, 1, cv::LINE_8);
   return strokes;
 }
 
 struct Flown {
-  FixtureFinder finder;
+  StaticOverlayDetector finder;
   double way_px = 0;
   int frames = 0;
 
@@ -82,7 +82,7 @@ double ratio_hidden(const cv::Mat& shows_world, const cv::Mat& where) {
          static_cast<double>(cv::countNonZero(where));
 }
 
-TEST(FixtureFinder, HidesTextThatStaysAndNothingElse) {
+TEST(StaticOverlayDetector, HidesTextThatStaysAndNothingElse) {
   Flown flown;
   flown.on(30, kStep_px, write_text);
   const cv::Mat shows_world = flown.shows_world();
@@ -95,13 +95,13 @@ TEST(FixtureFinder, HidesTextThatStaysAndNothingElse) {
 }
 
 // The road's edges move along themselves, and look still.
-TEST(FixtureFinder, HidesNothingWhereNothingIsFixed) {
+TEST(StaticOverlayDetector, HidesNothingWhereNothingIsFixed) {
   Flown flown;
   flown.on(60, kStep_px, {});
   EXPECT_TRUE(flown.shows_world().empty());
 }
 
-TEST(FixtureFinder, LearnsNothingWhileTheCameraHovers) {
+TEST(StaticOverlayDetector, LearnsNothingWhileTheCameraHovers) {
   Flown flown;
   for (int i = 0; i < 50; ++i) {
     flown.on(1, 0.5, write_text);
@@ -110,7 +110,7 @@ TEST(FixtureFinder, LearnsNothingWhileTheCameraHovers) {
   EXPECT_TRUE(flown.shows_world().empty());
 }
 
-TEST(FixtureFinder, ShowsAgainWhatIsNoLongerThere) {
+TEST(StaticOverlayDetector, ShowsAgainWhatIsNoLongerThere) {
   Flown flown;
   flown.on(30, kStep_px, write_text);
   ASSERT_FALSE(flown.shows_world().empty());
@@ -118,7 +118,7 @@ TEST(FixtureFinder, ShowsAgainWhatIsNoLongerThere) {
   EXPECT_TRUE(flown.shows_world().empty());
 }
 
-TEST(FixtureFinder, CountsNothingOverAMotionThatIsNotKnown) {
+TEST(StaticOverlayDetector, CountsNothingOverAMotionThatIsNotKnown) {
   Flown flown;
   for (int i = 0; i < 30; ++i) {
     flown.on(1, kStep_px, write_text);
@@ -131,11 +131,11 @@ TEST(FixtureFinder, CountsNothingOverAMotionThatIsNotKnown) {
   EXPECT_TRUE(unknown.shows_world().empty());
 }
 
-TEST(FixtureFinder, AddsToTheMaskThatIsGiven) {
-  cv::Mat given(kPicture, CV_8U, cv::Scalar(255));
+TEST(StaticOverlayDetector, AddsToTheMaskThatIsGiven) {
+  cv::Mat given(kImage, CV_8U, cv::Scalar(255));
   given.rowRange(200, 240) = 0;
-  Frame frame{.grey = cv::Mat(kPicture, CV_8U, cv::Scalar(0)),
-              .mask = std::make_shared<const PictureMask>(given)};
+  Frame frame{.grey = cv::Mat(kImage, CV_8U, cv::Scalar(0)),
+              .mask = std::make_shared<const ImageMask>(given)};
   Flown flown;
   EXPECT_EQ(flown.finder.masked(frame).mask, frame.mask);
   flown.on(30, kStep_px, write_text);
@@ -145,19 +145,19 @@ TEST(FixtureFinder, AddsToTheMaskThatIsGiven) {
   EXPECT_EQ(cv::countNonZero(given.rowRange(0, 200) == 0), 0) << "the one given has changed";
 }
 
-TEST(PictureMask, TellsWhichShareOfAWindowIsHidden) {
+TEST(ImageMask, TellsWhichShareOfAWindowIsHidden) {
   cv::Mat shows_world(6, 8, CV_8U, cv::Scalar(255));
   shows_world(cv::Rect(0, 0, 4, 2)) = 0;
-  const PictureMask mask(shows_world);
+  const ImageMask mask(shows_world);
   EXPECT_DOUBLE_EQ(mask.hidden_ratio(), 8.0 / 48);
   EXPECT_FLOAT_EQ(mask.hidden_ratio(1.5F, 0.5F, 4, 2), 1);
   EXPECT_FLOAT_EQ(mask.hidden_ratio(3.5F, 1.5F, 4, 2), 0.25F);
   EXPECT_FLOAT_EQ(mask.hidden_ratio(6, 4, 3, 3), 0);
-  // of what lies in the picture
+  // of what lies in the image
   EXPECT_FLOAT_EQ(mask.hidden_ratio(-0.5F, 0.5F, 4, 2), 1);
   EXPECT_FLOAT_EQ(mask.hidden_ratio(-20, 0, 4, 4), 1);
-  EXPECT_THROW(PictureMask{cv::Mat()}, InputError);
-  EXPECT_THROW(PictureMask{cv::Mat(6, 8, CV_8UC3)}, InputError);
+  EXPECT_THROW(ImageMask{cv::Mat()}, InputError);
+  EXPECT_THROW(ImageMask{cv::Mat(6, 8, CV_8UC3)}, InputError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "simulation/scene/passers.hpp"
+#include "simulation/scene/moving_objects.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -28,29 +28,30 @@ double to_and_fro(double way, double reach) {
 
 }  // namespace
 
-std::vector<Passer> make_passers(const PasserConfig& config, std::uint64_t seed) {
+std::vector<MovingObject> make_moving_objects(const MovingObjectConfig& config,
+                                              std::uint64_t seed) {
   constexpr double kBetween_m = 0.2;
   Random random(seed);
   SceneBuilder builder(random.bits());
   for (int i = 0; i < config.count; ++i) {
-    builder.add_upright({config.distance_m + kBetween_m * i, 0, 0}, std::numbers::pi,
-                        config.width_m, config.height_m, kClothes);
+    builder.add_vertical_patch({config.distance_m + kBetween_m * i, 0, 0}, std::numbers::pi,
+                               config.width_m, config.height_m, kClothes);
   }
-  std::vector<Passer> passers;
-  passers.reserve(config.count);
+  std::vector<MovingObject> moving_objects;
+  moving_objects.reserve(config.count);
   for (const Patch& patch : builder.scene().patches) {
-    passers.push_back({patch, random.uniform(0, 4 * config.reach_m)});
+    moving_objects.push_back({patch, random.uniform(0, 4 * config.reach_m)});
   }
-  return passers;
+  return moving_objects;
 }
 
-PatchScene with_passers(PatchScene scene, const PasserConfig& config,
-                        const std::vector<Passer>& passers, double t_s) {
-  scene.patches.reserve(scene.patches.size() + passers.size());
-  for (const Passer& passer : passers) {
-    Patch patch = passer.at_middle;
+PatchScene with_moving_objects(PatchScene scene, const MovingObjectConfig& config,
+                               const std::vector<MovingObject>& moving_objects, double t_s) {
+  scene.patches.reserve(scene.patches.size() + moving_objects.size());
+  for (const MovingObject& moving_object : moving_objects) {
+    Patch patch = moving_object.at_middle;
     patch.corner_in_world_m.y() +=
-        to_and_fro(passer.way_before_m + config.speed_m_s * t_s, config.reach_m);
+        to_and_fro(moving_object.way_before_m + config.speed_m_s * t_s, config.reach_m);
     scene.patches.push_back(patch);
   }
   return scene;

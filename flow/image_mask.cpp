@@ -1,4 +1,4 @@
-#include "flow/picture_mask.hpp"
+#include "flow/image_mask.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,19 +8,19 @@
 
 namespace stillkite {
 
-PictureMask::PictureMask(const cv::Mat& shows_world) : shows_world_(shows_world) {
+ImageMask::ImageMask(const cv::Mat& shows_world) : shows_world_(shows_world) {
   if (shows_world.empty() || shows_world.type() != CV_8UC1) {
-    throw InputError("picture mask: it must be a picture of one byte a pixel");
+    throw InputError("image mask: it must be an image of one byte a pixel");
   }
   cv::integral((shows_world == 0) / 255, hidden_, CV_32S);
 }
 
-double PictureMask::hidden_ratio() const {
+double ImageMask::hidden_ratio() const {
   return hidden_.at<int>(shows_world_.rows, shows_world_.cols) /
          static_cast<double>(shows_world_.total());
 }
 
-float PictureMask::hidden_ratio(float x_px, float y_px, float width_px, float height_px) const {
+float ImageMask::hidden_ratio(float x_px, float y_px, float width_px, float height_px) const {
   // pixel i lies between i - 0.5 and i + 0.5
   const auto border = [](float at, int size) {
     return static_cast<int>(std::lround(std::clamp(at + 0.5F, 0.0F, static_cast<float>(size))));

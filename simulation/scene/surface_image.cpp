@@ -1,4 +1,4 @@
-#include "simulation/scene/surface_picture.hpp"
+#include "simulation/scene/surface_image.hpp"
 
 #include <algorithm>
 #include <array>
@@ -37,13 +37,13 @@ cv::Mat tiled(const SurfaceStyle& style, int width, int height, std::uint64_t se
 }
 
 // A filled rectangle at any angle, with a bar or two of another grey on it.
-void draw_label(cv::Mat& picture, double grey, double size, Random& random) {
+void draw_label(cv::Mat& image, double grey, double size, Random& random) {
   const double turn =
       random.uniform() < 0.6 ? 0.05 * random.normal() : random.uniform(0, std::numbers::pi);
   const double half_length = 0.5 * size * random.uniform(0.7, 2);
   const double half_width = 0.5 * size * random.uniform(0.3, 1);
-  const double x = random.uniform(0, picture.cols);
-  const double y = random.uniform(0, picture.rows);
+  const double x = random.uniform(0, image.cols);
+  const double y = random.uniform(0, image.rows);
   const auto bar = [&](double from, double to, double share, double bar_grey) {
     const auto corner = [&](double along, double across) {
       return fine_point(x + along * std::cos(turn) - across * std::sin(turn),
@@ -53,8 +53,7 @@ void draw_label(cv::Mat& picture, double grey, double size, Random& random) {
                                            corner(share * half_length, from * half_width),
                                            corner(share * half_length, to * half_width),
                                            corner(-share * half_length, to * half_width)};
-    cv::fillConvexPoly(picture, corners.data(), 4, cv::Scalar(bar_grey), cv::LINE_AA,
-                       kFractionBits);
+    cv::fillConvexPoly(image, corners.data(), 4, cv::Scalar(bar_grey), cv::LINE_AA, kFractionBits);
   };
   bar(-1, 1, 1, grey);
   if (size < 10) return;
@@ -68,25 +67,25 @@ void draw_label(cv::Mat& picture, double grey, double size, Random& random) {
 
 }  // namespace
 
-cv::Mat surface_picture(const SurfaceStyle& style, int width, int height, std::uint64_t seed) {
+cv::Mat surface_image(const SurfaceStyle& style, int width, int height, std::uint64_t seed) {
   const cv::Mat grain = fractal_noise(width, height, seed);
-  cv::Mat picture;
+  cv::Mat image;
   if (style.tile_width > 0 && style.tile_height > 0) {
     cv::Mat surface;
     cv::scaleAdd(grain, style.grain_grey, tiled(style, width, height, seed), surface);
-    surface.convertTo(picture, CV_8UC1, 1, style.grey);
+    surface.convertTo(image, CV_8UC1, 1, style.grey);
   } else {
-    grain.convertTo(picture, CV_8UC1, style.grain_grey, style.grey);
+    grain.convertTo(image, CV_8UC1, style.grain_grey, style.grey);
   }
   Random random(seed, 11);
   const auto marks =
-      static_cast<int>(style.marks_a_megatexel * 1e-6 * static_cast<double>(picture.total()));
+      static_cast<int>(style.marks_a_megatexel * 1e-6 * static_cast<double>(image.total()));
   for (int mark = 0; mark < marks; ++mark) {
     const double size = style.mark_size * 0.4 / (1.05 - random.uniform());
     const double grey = style.grey + style.mark_grey * random.uniform(-1, 1);
-    draw_label(picture, std::clamp(grey, 5.0, 250.0), std::min(size, 8 * style.mark_size), random);
+    draw_label(image, std::clamp(grey, 5.0, 250.0), std::min(size, 8 * style.mark_size), random);
   }
-  return picture;
+  return image;
 }
 
 }  // namespace stillkite

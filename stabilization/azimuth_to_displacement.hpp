@@ -23,7 +23,7 @@ struct AzimuthDrive {
 /// for a sixteenth of the horizon, and then the plane turns after the way as fast as it can, to
 /// either side (predictive control; docs/hold_controller.md).
 /// 0 for a way that is not finite.
-[[nodiscard]] double turn_to_way_rad_s(double azimuth_rad, const LevelWay& way,
-                                       const AzimuthDrive& drive, double horizon_s);
+[[nodiscard]] double azimuth_to_displacement_rad_s(double azimuth_rad, const LevelWay& way,
+                                                   const AzimuthDrive& drive, double horizon_s);
 
 }  // namespace stillkite

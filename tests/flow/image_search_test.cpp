@@ -1,4 +1,4 @@
-#include "flow/picture_search.hpp"
+#include "flow/image_search.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,12 +49,12 @@ TEST_P(Search, FindsALargeShiftAndTurn) {
   EXPECT_GT(found[0].correlation, 0.7);
 }
 
-INSTANTIATE_TEST_SUITE_P(PictureSearch, Search,
+INSTANTIATE_TEST_SUITE_P(ImageSearch, Search,
                          testing::Values(Move{0, 0, 0}, Move{3, -2, 0}, Move{40, 30, 0},
                                          Move{-120, 10, 0}, Move{20, 100, 0}, Move{-60, 40, 8},
                                          Move{10, -50, -10}));
 
-TEST(PictureSearch, LeavesTurnsOutIfAsked) {
+TEST(ImageSearch, LeavesTurnsOutIfAsked) {
   const cv::Mat wide = ground(1024);
   const cv::Rect seen(300, 300, 320, 240);
   const auto found = find_shifts(wide(seen + cv::Point(-70, 30)), wide(seen),
@@ -62,15 +62,15 @@ TEST(PictureSearch, LeavesTurnsOutIfAsked) {
   ASSERT_FALSE(found.empty());
   EXPECT_NEAR(found[0].shift_px.x(), -70, 4);
   EXPECT_NEAR(found[0].shift_px.y(), 30, 4);
-  for (const PictureShift& shift : found) EXPECT_EQ(shift.turn_rad, 0);
+  for (const ImageShift& shift : found) EXPECT_EQ(shift.turn_rad, 0);
 }
 
-TEST(PictureSearch, SeesNothingInABarePicture) {
+TEST(ImageSearch, SeesNothingInABareImage) {
   const cv::Mat grey(240, 320, CV_8UC1, cv::Scalar(90));
   EXPECT_TRUE(find_shifts(grey, grey).empty());
 }
 
-TEST(PictureSearch, IsNotFooledByAnExposureThatChanges) {
+TEST(ImageSearch, IsNotFooledByAnExposureThatChanges) {
   const cv::Mat wide = ground(1024);
   const cv::Rect seen(100, 100, 320, 240);
   cv::Mat darker;
@@ -82,7 +82,7 @@ TEST(PictureSearch, IsNotFooledByAnExposureThatChanges) {
 }
 
 // The view magnifies by two about the middle: so does it the shift.
-TEST(PictureSearch, AnswersInThePixelsOfTheView) {
+TEST(ImageSearch, AnswersInThePixelsOfTheView) {
   const cv::Mat wide = ground(1024);
   const cv::Rect seen(300, 300, 320, 240);
   Eigen::Matrix3d view = Eigen::Matrix3d::Identity();

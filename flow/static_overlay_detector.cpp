@@ -1,4 +1,4 @@
-#include "flow/fixture_finder.hpp"
+#include "flow/static_overlay_detector.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,14 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "flow/picture_mask.hpp"
+#include "flow/image_mask.hpp"
 
 namespace stillkite {
 namespace {
 
-// Two pictures are compared once the picture has moved by this, in mean.
+// Two images are compared once the image has moved by this, in mean.
 constexpr double kMoved_px = 4;
-// An edge: the sum of its slopes along x and y, grey a pixel of the half-size picture.
+// An edge: the sum of its slopes along x and y, grey a pixel of the half-size image.
 constexpr int kEdge_grey = 30;
 // It has kept still where its grey has changed by at most this part of its slope: a fifth of a
 // pixel.
@@ -22,17 +22,17 @@ constexpr int kStillPart = 5;
 // So many comparisons in which an edge was still make it fixed; one in which it was not halves what
 // was counted, and this many are needed for it to stay so.
 constexpr int kFixed = 12, kStaysFixed = 6, kMostCounted = 24;
-constexpr int kCell_px = 4;  // side, in the half-size picture
+constexpr int kCell_px = 4;  // side, in the half-size image
 constexpr int kFewestPixels = 2;
 // Least eigenvalue of the structure tensor over the largest: an edge that moves along itself looks
 // still, a corner does not.
 constexpr float kCorner = 0.1F;
 
 // Of twice the gradient: xx, yy, xy.
-cv::Vec3f tensor_at(const cv::Mat& picture, int y, int x) {
-  const std::uint8_t* row = picture.ptr(y);
+cv::Vec3f tensor_at(const cv::Mat& image, int y, int x) {
+  const std::uint8_t* row = image.ptr(y);
   const auto gx = static_cast<float>(row[x + 1] - row[x - 1]);
-  const auto gy = static_cast<float>(picture.ptr(y + 1)[x] - picture.ptr(y - 1)[x]);
+  const auto gy = static_cast<float>(image.ptr(y + 1)[x] - image.ptr(y - 1)[x]);
   return {gx * gx, gy * gy, gx * gy};
 }
 
@@ -42,7 +42,7 @@ void for_each_cell(const cv::Mat& cells, auto&& visit) {
   }
 }
 
-// In the whole picture.
+// In the whole image.
 cv::Rect cell_px(int row, int column) {
   constexpr int kSide_px = 2 * kCell_px;
   return {column * kSide_px, row * kSide_px, kSide_px, kSide_px};
@@ -66,8 +66,8 @@ cv::Mat with_corners(const cv::Mat& cells, const cv::Mat& corners) {
 
 }  // namespace
 
-Frame FixtureFinder::masked(Frame frame) {
-  if (!has_fixtures_) return frame;
+Frame StaticOverlayDetector::masked(Frame frame) {
+  if (!has_overlays_) return frame;
   if (!combined_ || given_ != frame.mask) {
     given_ = frame.mask;
     cv::Mat shows_world =
@@ -75,13 +75,14 @@ Frame FixtureFinder::masked(Frame frame) {
     for_each_cell(cells_, [&](int row, int column) {
       if (cells_.at<std::uint8_t>(row, column) != 0) shows_world(cell_px(row, column)) = 0;
     });
-    combined_ = std::make_shared<const PictureMask>(shows_world);
+    combined_ = std::make_shared<const ImageMask>(shows_world);
   }
   frame.mask = combined_;
   return frame;
 }
 
-void FixtureFinder::learn(const cv::Mat& grey, const std::optional<Eigen::Vector2d>& shift_px) {
+void StaticOverlayDetector::learn(const cv::Mat& grey,
+                                  const std::optional<Eigen::Vector2d>& shift_px) {
   const cv::Size half_size = grey.size() / 2;
   if (std::min(half_size.width, half_size.height) < kCell_px) return;
   const bool begins = !shift_px || before_.size() != half_size;
@@ -93,7 +94,7 @@ void FixtureFinder::learn(const cv::Mat& grey, const std::optional<Eigen::Vector
     const cv::Mat cells = fixed_cells();
     if (cv::norm(cells, cells_, cv::NORM_INF) > 0) combined_.reset();
     cells_ = cells;
-    has_fixtures_ = cv::countNonZero(cells_) > 0;
+    has_overlays_ = cv::countNonZero(cells_) > 0;
   } else if (counts_.size() != half_size) {
     counts_ = cv::Mat::zeros(half_size, CV_8U);
     cells_ = cv::Mat::zeros(half_size / kCell_px, CV_8U);
@@ -102,7 +103,7 @@ void FixtureFinder::learn(const cv::Mat& grey, const std::optional<Eigen::Vector
   since_then_px_.setZero();
 }
 
-void FixtureFinder::count_still() {
+void StaticOverlayDetector::count_still() {
   for (int y = 1; y + 1 < half_.rows; ++y) {
     std::uint8_t* count = counts_.ptr(y);
     const std::uint8_t* now = half_.ptr(y);
@@ -119,7 +120,7 @@ void FixtureFinder::count_still() {
   }
 }
 
-cv::Mat FixtureFinder::fixed_cells() const {
+cv::Mat StaticOverlayDetector::fixed_cells() const {
   cv::Mat fixed = cv::Mat::zeros(cells_.size(), CV_8U);
   const cv::Mat may_be_fixed = counts_ >= kStaysFixed;
   if (cv::countNonZero(may_be_fixed) == 0) return fixed;

@@ -1,4 +1,4 @@
-#include "stabilization/turn_to_way.hpp"
+#include "stabilization/azimuth_to_displacement.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,20 +16,20 @@ constexpr AzimuthDrive kDrive{.rate_limit_rad_s = 0.2, .lag_s = 0.5};
 constexpr double kHorizon_s = 8;
 
 double turn(double azimuth_rad, const Vector2d& now_m, const Vector2d& drift_m_s) {
-  return turn_to_way_rad_s(azimuth_rad, {now_m, drift_m_s}, kDrive, kHorizon_s);
+  return azimuth_to_displacement_rad_s(azimuth_rad, {now_m, drift_m_s}, kDrive, kHorizon_s);
 }
 
 Vector2d at(double distance_m, double azimuth_rad) {
   return distance_m * Vector2d(std::cos(azimuth_rad), std::sin(azimuth_rad));
 }
 
-TEST(TurnToWay, NothingWhereTheWayStaysInThePlane) {
+TEST(AzimuthToDisplacement, NothingWhereTheWayStaysInThePlane) {
   EXPECT_EQ(turn(0.4, Vector2d::Zero(), Vector2d::Zero()), 0);
   EXPECT_NEAR(turn(0.4, at(1, 0.4), at(0.2, 0.4)), 0, 1e-6);
   EXPECT_NEAR(turn(0.4, at(1, 0.4 + pi), at(0.2, 0.4)), 0, 1e-6);  // across the zenith
 }
 
-TEST(TurnToWay, TurnsTheShorterWayToAPlaceThatStays) {
+TEST(AzimuthToDisplacement, TurnsTheShorterWayToAPlaceThatStays) {
   for (const double off_rad : {0.3, 1.2}) {
     EXPECT_NEAR(turn(2, at(1, 2 + off_rad), Vector2d::Zero()), 0.2, 1e-6) << off_rad;
     EXPECT_NEAR(turn(2, at(1, 2 - off_rad), Vector2d::Zero()), -0.2, 1e-6) << off_rad;
@@ -41,7 +41,7 @@ TEST(TurnToWay, TurnsTheShorterWayToAPlaceThatStays) {
   EXPECT_LT(little, 0.15);
 }
 
-TEST(TurnToWay, IsNotMovedByMillimetres) {
+TEST(AzimuthToDisplacement, IsNotMovedByMillimetres) {
   EXPECT_LT(std::abs(turn(0, Vector2d(0, 0.002), Vector2d::Zero())), 0.03);
   EXPECT_GT(std::abs(turn(0, Vector2d(0, 0.05), Vector2d::Zero())), 0.15);
 }
@@ -49,7 +49,7 @@ TEST(TurnToWay, IsNotMovedByMillimetres) {
 // A way that passes overhead at some distance turns by half a circle about the zenith. Far enough
 // aside the azimuth goes with it; nearer than its rate allows it goes the other way round, and the
 // elevation takes the drone across the zenith.
-TEST(TurnToWay, LetsWhatPassesTooNearPassOnTheOtherSide) {
+TEST(AzimuthToDisplacement, LetsWhatPassesTooNearPassOnTheOtherSide) {
   const auto passing = [](double aside_m, double ahead_m) {
     const double azimuth_rad = std::atan2(aside_m, ahead_m);
     return turn(azimuth_rad, {ahead_m, aside_m}, {-0.2, 0});
@@ -78,7 +78,7 @@ double off_while_passing_m(double aside_m) {
 }
 
 // Far aside it goes round, near it across; in between neither is near.
-TEST(TurnToWay, PassesTheZenithTheBetterWay) {
+TEST(AzimuthToDisplacement, PassesTheZenithTheBetterWay) {
   EXPECT_LT(off_while_passing_m(0.1), 0.035);
   EXPECT_LT(off_while_passing_m(0.3), 0.12);
   EXPECT_LT(off_while_passing_m(0.4), 0.18);
@@ -88,13 +88,15 @@ TEST(TurnToWay, PassesTheZenithTheBetterWay) {
   EXPECT_LT(off_while_passing_m(1.0), 0.05);
 }
 
-TEST(TurnToWay, NothingForWhatCannotBe) {
+TEST(AzimuthToDisplacement, NothingForWhatCannotBe) {
   EXPECT_EQ(turn(0, Vector2d(0, std::nan("")), Vector2d::Zero()), 0);
   EXPECT_EQ(turn(0, Vector2d(0, 1), Vector2d(1e300, 1e300)), 0);
-  EXPECT_EQ(turn_to_way_rad_s(0, {Vector2d(0, 1), Vector2d::Zero()}, {0, 0.5}, kHorizon_s), 0);
+  EXPECT_EQ(
+      azimuth_to_displacement_rad_s(0, {Vector2d(0, 1), Vector2d::Zero()}, {0, 0.5}, kHorizon_s),
+      0);
 }
 
-TEST(TurnToWay, NeverBeyondTheLimit) {
+TEST(AzimuthToDisplacement, NeverBeyondTheLimit) {
   for (int k = 0; k < 500; ++k) {
     const double phase = 0.1 * k;
     const double rate = turn(std::sin(7 * phase) * 4, at(std::fmod(phase, 3), phase),

@@ -10,18 +10,18 @@
 namespace stillkite {
 
 /// The controller's side of the sensors: what has arrived.
-class HoverInbox {
+class SensorBuffer {
  public:
   /// At take-off the drone stands on its station: their headings are known to each other.
-  explicit HoverInbox(const Eigen::Quaterniond& station_from_world_at_start)
+  explicit SensorBuffer(const Eigen::Quaterniond& station_from_world_at_start)
       : station_from_world_(station_from_world_at_start) {}
 
   void take(const HoverReadings& readings);
 
-  /// With the picture of this instant, which the IMU stamps.
+  /// With the image of this instant, which the IMU stamps.
   [[nodiscard]] const Eigen::Quaterniond& attitude() const { return attitude_; }
 
-  /// Beside a picture of that stamp and attitude, for a command now. Inertial readings are handed
+  /// Beside an image of that stamp and attitude, for a command now. Inertial readings are handed
   /// out once, but for the one during which it was taken: cut there, and again with the next.
   [[nodiscard]] TetheredReadings readings(Timestamp stamp, const Eigen::Quaterniond& attitude,
                                           Timestamp now);

@@ -1,0 +1,26 @@
+#include "io/video/image_pool.hpp"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+
+namespace stillkite {
+namespace {
+
+// Other threads drop their references while this looks: read the count as they write it.
+bool is_held_by_pool_alone(const cv::Mat& image) {
+  return image.u != nullptr && CV_XADD(&image.u->refcount, 0) == 1;
+}
+
+}  // namespace
+
+cv::Mat ImagePool::take() const {
+  const auto free = std::find_if(images_.begin(), images_.end(), is_held_by_pool_alone);
+  return free == images_.end() ? cv::Mat() : *free;
+}
+
+void ImagePool::keep(const cv::Mat& image) {
+  const auto same = [&](const cv::Mat& known) { return known.u == image.u; };
+  if (std::none_of(images_.begin(), images_.end(), same)) images_.push_back(image);
+}
+
+}  // namespace stillkite
