@@ -6,9 +6,9 @@ class App;
 
 namespace stillkite {
 
-// One subcommand, one file. Each function adds its subcommand, whose callback does the work and
-// speaks by exception: InputError is wrong use or input (2), Interrupted ends with 130, any other
-// std::exception is a failure (1). Results go to stdout, messages to stderr.
+// One subcommand per file. Each function adds its subcommand; the callback does the work and throws
+// InputError on wrong use or input (exit status 2), Interrupted (130), or another std::exception on
+// failure (1). Results go to stdout, messages to stderr.
 
 void add_run(CLI::App& app);
 void add_simulate(CLI::App& app);

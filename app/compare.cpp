@@ -54,7 +54,7 @@ std::vector<EstimatorRun> make_runs(const std::vector<Variant>& variants,
   return runs;
 }
 
-// In the place of an earlier call's.
+// Replaces the results of an earlier call.
 void commit_runs(const std::filesystem::path& out, const CompareArguments& arguments,
                  const std::vector<Variant>& variants, std::span<EstimatorRun> runs) {
   std::vector<std::filesystem::path> inputs;
@@ -79,7 +79,7 @@ ComparedRun write_run(const std::filesystem::path& folder, const Variant& varian
           .estimator = variant.config.estimator,
           .summary = write_run_results(folder, run.config(), run.inputs(), run.estimates(), facts),
           .errors = run_frame_errors(run.inputs(), run.estimates()),
-          .own_s = facts.wall_s};
+          .estimator_s = facts.wall_s};
 }
 
 void write_page(const std::filesystem::path& file, const CompareArguments& arguments,
@@ -118,37 +118,37 @@ void compare(const CompareArguments& arguments) {
     protect_inputs_of_run(out / variants[i].name, arguments.config, variants[i].config);
     runs[i].write_to(out / variants[i].name, source.expected());
   }
-  tell_of_doubtful_inputs(runs);
+  report_input_warnings(runs);
 
   const auto start = std::chrono::steady_clock::now();
-  Ending ending = step_through(source, runs, "compare");
+  RunOutcome outcome = step_through(source, runs, "compare");
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const FolderLock lock(out);
-  finish_files(runs, ending);
+  finish_files(runs, outcome);
   const ComparisonFacts facts{.frames_read = source.read(),
                               .wall_s = wall_s,
                               .decoding_s = source.decoding_s(),
                               .threads = arguments.threads,
                               .interrupted = interrupted(),
-                              .complaint = ending.complaint};
-  tell_of_ending(ending, runs, out);
+                              .problem = outcome.problem};
+  report_outcome(outcome, runs, out);
   commit_runs(out, arguments, variants, runs);
-  for (const EstimatorRun& run : runs) tell_of_contradictions(run);
+  for (const EstimatorRun& run : runs) report_inconsistencies(run);
   std::vector<ComparedRun> compared;
   compared.reserve(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const RunFacts of_run{.frames_read = facts.frames_read,
-                          .frame_ms = {},
-                          .interrupted = facts.interrupted,
-                          .complaint = facts.complaint,
-                          .commands = {}};
-    compared.push_back(write_run(out / variants[i].name, variants[i], runs[i], of_run));
+    const RunFacts run_facts{.frames_read = facts.frames_read,
+                             .frame_ms = {},
+                             .interrupted = facts.interrupted,
+                             .problem = facts.problem,
+                             .commands = {}};
+    compared.push_back(write_run(out / variants[i].name, variants[i], runs[i], run_facts));
   }
   const nlohmann::json comparison = comparison_json(compared, facts);
   write_file(out / "comparison.json", json_text(comparison) + '\n');
   write_page(out / "report.html", arguments, variants, runs, comparison);
-  if (ending.failure) std::rethrow_exception(ending.failure);
+  if (outcome.failure) std::rethrow_exception(outcome.failure);
   if (arguments.json) {
     fmt::print("{}\n", json_text(comparison));
   } else {
@@ -161,25 +161,26 @@ void compare(const CompareArguments& arguments) {
 
 void add_compare(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("compare", "Run several estimators over the same frames, side by side");
+      app.add_subcommand("compare", "Compare several estimators on the same frames");
   const auto arguments = std::make_shared<CompareArguments>();
   command->add_option("config", arguments->config, "YAML file; see: stillkite config")->required();
   command
       ->add_option("--estimators", arguments->estimators,
-                   "Separated by commas: policies, and configurations of your own as "
-                   "NAME:key=value,key=value (default: every policy)")
+                   "Comma-separated policies and custom configurations "
+                   "NAME:key=value,key=value (default: all policies)")
       ->allow_extra_args(false)
       ->type_name("LIST");
   add_overrides(*command, arguments->overrides);
   add_results_folder(*command, arguments->out);
   command
-      ->add_option("--threads", arguments->threads,
-                   "Of each estimator. With one, the default, their times can be compared; frames "
-                   "are decoded ahead on threads of their own")
+      ->add_option(
+          "--threads", arguments->threads,
+          "Threads per estimator; compare times only with one, the default. Decoding runs on "
+          "separate threads")
       ->check(CLI::Range(1, 1024));
-  command->add_flag("--json", arguments->json, "Print comparison.json on stdout and nothing else");
+  command->add_flag("--json", arguments->json, "Print only comparison.json on stdout");
   command->footer(
-      "Writes comparison.json, report.html, and for each estimator a folder with what run writes.\n"
+      "Writes comparison.json, report.html, and one folder per estimator with the outputs of run.\n"
       "Example: stillkite compare flight.yaml "
       "--estimators flow,reference,paper:estimator.policy=flow,estimator.mode=paper");
   command->callback([arguments] { compare(*arguments); });

@@ -40,7 +40,7 @@ json estimator_json(const ComparedRun& run) {
   result["keys"] = run.overrides;
   result["availability_ratio"] =
       read > 0 ? json(frames["used"].get<double>() / read) : json(nullptr);
-  result["timing"]["total_s"] = run.own_s;
+  result["timing"]["total_s"] = run.estimator_s;
   result["mean_error"] = mean_errors(run);
   return result;
 }
@@ -50,10 +50,10 @@ json estimator_json(const ComparedRun& run) {
 json comparison_json(std::span<const ComparedRun> runs, const ComparisonFacts& facts) {
   json estimators = json::array();
   json differences = json::array();
-  json own_s = json::object();
+  json estimator_s = json::object();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     estimators.push_back(estimator_json(runs[i]));
-    own_s[runs[i].name] = runs[i].own_s;
+    estimator_s[runs[i].name] = runs[i].estimator_s;
     for (std::size_t before = 0; before < i; ++before) {
       add_differences(differences, runs[i], runs[before]);
     }
@@ -64,10 +64,10 @@ json comparison_json(std::span<const ComparedRun> runs, const ComparisonFacts& f
           {"timing",
            {{"wall_s", facts.wall_s},
             {"decoding_s", facts.decoding_s},
-            {"estimators_s", std::move(own_s)},
+            {"estimators_s", std::move(estimator_s)},
             {"threads", facts.threads}}},
           {"interrupted", facts.interrupted},
-          {"source_complaint", facts.complaint ? json(*facts.complaint) : json(nullptr)}};
+          {"source_complaint", facts.problem ? json(*facts.problem) : json(nullptr)}};
 }
 
 std::string_view difference_verdict(const MeanInterval& difference) {

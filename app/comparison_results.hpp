@@ -12,34 +12,34 @@
 
 namespace stillkite {
 
-/// What one estimator made of the frames.
+/// Results of one estimator.
 struct ComparedRun {
   std::string name;
   std::vector<std::string> overrides;
   EstimatorConfig estimator;
   nlohmann::json summary;          ///< its summary.json
-  std::vector<FrameError> errors;  ///< by frame; empty without truth
-  double own_s = 0;                ///< its steps alone
+  std::vector<FrameError> errors;  ///< per frame; empty without truth
+  double estimator_s = 0;          ///< time in its steps
 };
 
-/// What comparison.json says beside the estimators themselves.
+/// Facts of a comparison in addition to the estimators' results.
 struct ComparisonFacts {
   std::int64_t frames_read = 0;
-  double wall_s = 0;      ///< of the whole loop
-  double decoding_s = 0;  ///< on threads of its own, mostly beside the estimators
-  int threads = 1;        ///< of an estimator
+  double wall_s = 0;      ///< whole loop
+  double decoding_s = 0;  ///< on separate threads, mostly parallel to the estimators
+  int threads = 1;        ///< per estimator
   bool interrupted = false;
-  std::optional<std::string> complaint;  ///< about the source
+  std::optional<std::string> problem;  ///< of the source
 };
 
-/// comparison.json: what is unknown is null. An estimator's `availability_ratio` is the share of
-/// the frames read whose answer can be used (verdict ok or first_frame). `differences` lists every
-/// pair, with the 95 % interval of the mean difference of a frame's error and its verdict: `of` is
-/// better or worse than `against`, not_significant, or drifting where one flight cannot tell.
+/// comparison.json; unavailable figures are null. `availability_ratio`: share of the frames read
+/// with verdict ok or first_frame. `differences`: for every pair of estimators, the 95 % interval
+/// of the mean difference of their per-frame errors and its verdict. `of` is better or worse than
+/// `against`, not_significant, or drifting (errors correlated over too long for one flight).
 [[nodiscard]] nlohmann::json comparison_json(std::span<const ComparedRun> runs,
                                              const ComparisonFacts& facts);
 
-/// The word for such a difference of errors.
+/// Verdict token of a mean error difference.
 [[nodiscard]] std::string_view difference_verdict(const MeanInterval& difference);
 
 }  // namespace stillkite

@@ -15,10 +15,10 @@ namespace {
 
 using nlohmann::json;
 
-/// A figure of one estimator: where it stands in its entry, and in what unit it is shown.
+/// Row of the table: JSON pointer within an estimator's entry, and the display unit.
 struct TableFigure {
   const char* label;
-  const char* place;
+  const char* pointer;
   double unit = 1;
 };
 
@@ -30,7 +30,7 @@ constexpr std::array<TableFigure, 9> kErrorFigures{
      {"yaw RMSE, deg", "/evaluation/yaw_rmse_rad", kDegree},
      {"from the reference: rotation, deg", "/evaluation/reference/rotation_median_deg"},
      {"from the reference: direction, deg", "/evaluation/reference/direction_median_deg"},
-     {"from the reference: frames with one", "/evaluation/reference/directions"},
+     {"from the reference: directions", "/evaluation/reference/directions"},
      {"from the reference: displacement, m", "/evaluation/reference/displacement_rmse_m"}}};
 constexpr std::array<TableFigure, 4> kFrameFigures{
     {{"mean error: position, m", "/mean_error/position_m"},
@@ -39,17 +39,17 @@ constexpr std::array<TableFigure, 4> kFrameFigures{
      {"mean error: angular rate, deg/s", "/mean_error/angular_rate_rad_s", kDegree}}};
 constexpr std::array<TableFigure, 4> kCostFigures{
     {{"availability, %", "/availability_ratio", 0.01},
-     {"ms a frame, median", "/timing/frame_ms/median"},
-     {"ms a frame, 99 %", "/timing/frame_ms/p99"},
-     {"own time, s", "/timing/total_s"}}};
+     {"ms per frame, median", "/timing/frame_ms/median"},
+     {"ms per frame, 99 %", "/timing/frame_ms/p99"},
+     {"total time, s", "/timing/total_s"}}};
 
-json found_at(const json& entry, const std::string& place) {
-  const json::json_pointer pointer(place);
-  return entry.contains(pointer) ? entry.at(pointer) : json(nullptr);
+json value_at(const json& entry, const std::string& pointer) {
+  const json::json_pointer at(pointer);
+  return entry.contains(at) ? entry.at(at) : json(nullptr);
 }
 
-// Of three axes the length of the vector.
-std::string shown_number(const json& value, double unit) {
+// Three axes are shown as the norm of the vector.
+std::string number_text(const json& value, double unit) {
   if (value.is_number()) return fmt::format("{:.4g}", value.get<double>() / unit);
   if (!value.is_array()) return "-";
   double squares = 0;
@@ -57,11 +57,11 @@ std::string shown_number(const json& value, double unit) {
   return fmt::format("{:.4g}", std::sqrt(squares));
 }
 
-std::string mark_of(const json& comparison, const json& entry, const std::string& place) {
+std::string mark_of(const json& comparison, const json& entry, const std::string& pointer) {
   const json& first = comparison["estimators"][0]["name"];
   for (const json& difference : comparison["differences"]) {
     if (difference["against"] != first || difference["of"] != entry["name"]) continue;
-    if (!place.ends_with(fmt::format("/{}", difference["figure"].get<std::string>()))) continue;
+    if (!pointer.ends_with(fmt::format("/{}", difference["figure"].get<std::string>()))) continue;
     const auto verdict = difference["verdict"].get<std::string>();
     return verdict == "not_significant" ? "n.s." : verdict;
   }
@@ -78,15 +78,15 @@ class ColumnTable {
 
   void add_row(const TableFigure& figure, bool is_marked = false) {
     std::vector<std::string> cells;
-    bool is_known = false;
+    bool has_value = false;
     for (const json& entry : entries()) {
-      const json value = found_at(entry, figure.place);
-      is_known = is_known || !value.is_null();
-      cells.push_back(shown_number(value, figure.unit));
+      const json value = value_at(entry, figure.pointer);
+      has_value = has_value || !value.is_null();
+      cells.push_back(number_text(value, figure.unit));
       if (is_marked)
-        cells.back() += fmt::format(" {:<8}", mark_of(comparison_, entry, figure.place));
+        cells.back() += fmt::format(" {:<8}", mark_of(comparison_, entry, figure.pointer));
     }
-    if (is_known) add_row(figure.label, cells);
+    if (has_value) add_row(figure.label, cells);
   }
 
   void add_verdicts() {
@@ -113,7 +113,7 @@ class ColumnTable {
     text_ += '\n';
   }
 
-  // Numbers stand under each other, with room for a mark behind.
+  // Right-aligns numbers and reserves space for a mark.
   void add_cell(std::string cell) {
     const std::size_t mark = cell.find(' ');
     if (mark == std::string::npos) cell += std::string(9, ' ');
@@ -130,7 +130,7 @@ class ColumnTable {
 
 std::string timing_line(const json& comparison) {
   const json& timing = comparison["timing"];
-  std::string line = fmt::format("{} frames in {:.2f} s: decoding {:.2f} s (beside the rest)",
+  std::string line = fmt::format("{} frames in {:.2f} s: decoding {:.2f} s (in parallel)",
                                  comparison["frames_read"].dump(), timing["wall_s"].get<double>(),
                                  timing["decoding_s"].get<double>());
   for (const json& entry : comparison["estimators"]) {
@@ -138,7 +138,7 @@ std::string timing_line(const json& comparison) {
                         entry["timing"]["total_s"].get<double>());
   }
   const auto threads = timing["threads"].get<int>();
-  return line + fmt::format("; {} an estimator\n",
+  return line + fmt::format("; {} per estimator\n",
                             threads == 1 ? "one thread" : fmt::format("{} threads", threads));
 }
 
@@ -153,8 +153,8 @@ std::string comparison_table(const json& comparison) {
   std::string text = table.text();
   if (!comparison["differences"].empty()) {
     text += fmt::format(
-        "better, worse: than {} on the same frames, significantly (95 %, batch means); n.s.: not;\n"
-        "drifting: errors that hang together for so long that one flight cannot tell\n",
+        "better, worse: significant difference from {} on the same frames (95 %, batch means);\n"
+        "n.s.: not significant; drifting: error correlation time too long for one flight\n",
         comparison["estimators"][0]["name"].get<std::string>());
   }
   return text + timing_line(comparison);

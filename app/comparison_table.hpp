@@ -5,8 +5,8 @@
 
 namespace stillkite {
 
-/// The main figures of comparison.json for a person, a column an estimator. Errors say whether they
-/// are significantly better or worse than those of the first.
+/// Text table of the main figures of comparison.json, one column per estimator. Errors are marked
+/// if they differ significantly from the first estimator's.
 [[nodiscard]] std::string comparison_table(const nlohmann::json& comparison);
 
 }  // namespace stillkite

@@ -21,11 +21,11 @@ struct ConfigArguments {
 
 void add_config(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "config", "Print the configuration of a run: every key, its value, range and meaning");
+      "config", "Print the configuration of a run: every key with value, range and description");
   const auto arguments = std::make_shared<ConfigArguments>();
-  command->add_option("config", arguments->config, "YAML file; without it the defaults");
+  command->add_option("config", arguments->config, "YAML file (default: default values)");
   add_overrides(*command, arguments->overrides);
-  command->footer("What is printed can be run again: stillkite config > my.yaml");
+  command->footer("The output is a valid configuration: stillkite config > my.yaml");
   command->callback([arguments] {
     fmt::print("{}", print_config(load_run_config(arguments->config, arguments->overrides)));
   });

@@ -21,46 +21,45 @@ namespace {
 
 using RunClock = std::chrono::steady_clock;
 
-// What a frame's rows, and its part of the report, take on the disk at most.
+// Upper bounds of the disk space of results.
 constexpr std::uintmax_t kBytesPerFrame = 1700;
 constexpr std::uintmax_t kBytesPerRun = 2 << 20;
-constexpr std::uintmax_t kBytesPerDrawnFrame = 100'000;
+constexpr std::uintmax_t kBytesPerOverlayFrame = 100'000;
 
 HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
-  return {inputs.camera,    inputs.body_from_camera,    config.navigator,
-          config.estimator, in_the_shadow(config.hold), inputs.initial};
+  return {inputs.camera,    inputs.body_from_camera,     config.navigator,
+          config.estimator, in_shadow_mode(config.hold), inputs.initial};
 }
 
-using Sentences = std::vector<std::string>;
+using Messages = std::vector<std::string>;
 
-// One for each sensor's log, and for a truth, that says nothing of much of the flight.
-Sentences uncovered_sensors(const EstimatorRun& run) {
+// One message per sensor log or truth that does not cover the flight.
+Messages uncovered_sensors(const EstimatorRun& run) {
   if (run.estimates().empty()) return {};
   const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
-  Sentences found = uncovered_by_sensors(run.inputs().sensors, first, last);
+  Messages messages = coverage_warnings(run.inputs().sensors, first, last);
   const std::vector<StampedPose>& truth = run.inputs().truth;
-  if (truth.empty()) return found;
-  const std::int64_t judged = frames_with_truth(run.inputs(), run.estimates());
-  if (judged >= kFewestToJudge) return found;
-  found.push_back(fmt::format(
-      "truth: it has a pose at {} of the images, too few to judge by: it is from {:.3f} s to "
-      "{:.3f} s, the images are from {:.3f} s to {:.3f} s: are both on one clock?",
-      judged, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
+  if (truth.empty()) return messages;
+  const std::int64_t matched = frames_with_truth(run.inputs(), run.estimates());
+  if (matched >= kMinEvaluatedFrames) return messages;
+  messages.push_back(fmt::format(
+      "truth: poses at only {} images, no evaluation; it covers {:.3f} s to {:.3f} s, the images "
+      "{:.3f} s to {:.3f} s; check that both use the same clock",
+      matched, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
       to_seconds(last)));
-  return found;
+  return messages;
 }
 
 std::optional<std::string> missing_scale(const FlightInputs& inputs) {
   if (inputs.initial.scale != ScaleSource::none) return std::nullopt;
   return fmt::format(
-      "no height is given: every metre below is one initial height over the ground "
-      "(initial.height_m sets the scale){}",
+      "no metric scale: lengths are in initial heights over the ground; set initial.height_m{}",
       inputs.sensors.imu.stamps.empty()
           ? ""
-          : "; with estimator.policy=fused a metre from where the column scale says imu");
+          : "; with estimator.policy=fused in metres once the column scale is imu");
 }
 
-std::optional<std::string> sky(const FlightInputs& inputs) {
+std::optional<std::string> no_ground_in_view(const FlightInputs& inputs) {
   const Camera& camera = inputs.camera;
   const Eigen::Vector3d up =
       (inputs.initial.world_from_body.rotation * inputs.body_from_camera.rotation).conjugate() *
@@ -72,88 +71,90 @@ std::optional<std::string> sky(const FlightInputs& inputs) {
     }
   }
   return fmt::format(
-      "no ground is in view at the start: by mount and attitude the camera looks {:.0f} deg above "
-      "the horizon (mount.down_deg or the calibration's mount, initial.roll_deg, "
-      "initial.pitch_deg)",
+      "no ground in the initial view: mount and attitude point the camera {:.0f} deg above the "
+      "horizon; check mount.down_deg or the calibration's mount, initial.roll_deg and "
+      "initial.pitch_deg",
       std::atan2(up.z(), up.head<2>().norm()) / kDegree);
 }
 
-Sentences doubtful_inputs(const EstimatorRun& run) {
-  Sentences found;
-  if (const auto sentence = missing_scale(run.inputs())) found.push_back(*sentence);
-  if (const auto sentence = sky(run.inputs())) found.push_back(*sentence);
-  if (const std::size_t left_out = run.inputs().sensors.imu_left_out; left_out > 0) {
-    found.push_back(fmt::format(
-        "imu.path: left out: {} of {} readings, zeros alone or a leap away from both neighbours",
-        left_out, left_out + run.inputs().sensors.imu.stamps.size()));
+Messages input_warnings(const EstimatorRun& run) {
+  Messages messages;
+  if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
+  if (const auto message = no_ground_in_view(run.inputs())) messages.push_back(*message);
+  if (const std::size_t rejected = run.inputs().sensors.rejected_imu_readings; rejected > 0) {
+    messages.push_back(fmt::format(
+        "imu.path: rejected {} of {} readings: all zero, or outliers to both neighbours", rejected,
+        rejected + run.inputs().sensors.imu.stamps.size()));
   }
   if (run.config().acceleration.path && run.config().estimator.mode_in_use() != Mode::paper) {
-    found.emplace_back("acceleration.path: only estimator.mode=paper uses it");
+    messages.emplace_back("acceleration.path: used only by estimator.mode=paper");
   }
   if (run.inputs().mask && run.config().estimator.mode_in_use() == Mode::paper &&
       run.config().estimator.policy != Policy::reference) {
-    found.emplace_back("calibration.mask_path: the flow of estimator.mode=paper does not use it");
+    messages.emplace_back("calibration.mask_path: not used by the flow of estimator.mode=paper");
   }
-  return found;
+  return messages;
 }
 
-// What several estimators have in common is told once.
-void tell(std::span<const EstimatorRun> runs, Sentences (*sentences_of)(const EstimatorRun&)) {
-  std::set<std::string> told;
+// Prints a message that several estimators share once.
+void report_once(std::span<const EstimatorRun> runs, Messages (*messages_of)(const EstimatorRun&)) {
+  std::set<std::string> printed;
   for (const EstimatorRun& run : runs) {
-    for (const std::string& sentence : sentences_of(run)) {
-      if (told.insert(sentence).second) fmt::print(stderr, "stillkite: {}\n", sentence);
+    for (const std::string& message : messages_of(run)) {
+      if (printed.insert(message).second) fmt::print(stderr, "stillkite: {}\n", message);
     }
   }
 }
 
-// Legs, text and the like that no mask had hidden before.
-Sentences what_is_fixed(const EstimatorRun& run) {
-  double most = 0;
-  for (const NavigationEstimate& e : run.estimates()) most = std::max(most, e.hidden_ratio);
-  const double found = most - (run.inputs().mask ? run.inputs().mask->hidden_ratio() : 0);
-  if (!(found > 0)) return {};
+// Detected overlays and airframe outside the configured mask.
+Messages static_overlay_warnings(const EstimatorRun& run) {
+  double max_ratio = 0;
+  for (const NavigationEstimate& e : run.estimates()) {
+    max_ratio = std::max(max_ratio, e.masked_ratio);
+  }
+  const double detected = max_ratio - (run.inputs().mask ? run.inputs().mask->masked_ratio() : 0);
+  if (!(detected > 0)) return {};
   return {fmt::format(
-      "{:.2g} % of the image kept its place while the rest moved (the aircraft's legs, text?) "
-      "and was left out from when that had shown; calibration.mask_path leaves it out from the "
-      "start",
-      100 * found)};
+      "{:.2g} % of the image is static (text overlay or airframe in view) and is masked since its "
+      "detection; calibration.mask_path masks it from the first frame",
+      100 * detected)};
 }
 
-// Between neighbours that the reference estimator has both seen.
-std::vector<SeenTurn> seen_turns(const EstimatorRun& run) {
-  std::vector<SeenTurn> out;
-  std::optional<Timestamp> before;
+// Rotations between consecutive frames that the reference estimator has measured.
+std::vector<ObservedRotation> measured_rotations(const EstimatorRun& run) {
+  std::vector<ObservedRotation> out;
+  std::optional<Timestamp> previous;
   for (const NavigationEstimate& estimate : run.estimates()) {
-    if (before && estimate.reference && estimate.reference->seen_rate_in_camera_rad_s) {
-      out.push_back({*before, estimate.stamp,
-                     seconds_between(*before, estimate.stamp) *
+    if (previous && estimate.reference && estimate.reference->measured_rate_in_camera_rad_s) {
+      out.push_back({*previous, estimate.stamp,
+                     seconds_between(*previous, estimate.stamp) *
                          (run.inputs().body_from_camera.rotation *
-                          *estimate.reference->seen_rate_in_camera_rad_s)});
+                          *estimate.reference->measured_rate_in_camera_rad_s)});
     }
-    before = estimate.stamp;
+    previous = estimate.stamp;
   }
   return out;
 }
 
-void tell_of_leaning_start(const EstimatorRun& run) {
-  if (!run.upright()) return;
-  constexpr double kWorthTelling_rad = 2 * kDegree;
-  const Eigen::Quaterniond& turn = run.upright()->aligned_from_world.rotation;
-  const double leans_rad = so3_log(turn).norm();
-  if (leans_rad < std::max(kWorthTelling_rad, 3 * run.upright()->sigma_rad)) return;
-  const EulerAngles suits = to_euler(turn * run.inputs().initial.world_from_body.rotation);
+void report_initial_attitude_error(const EstimatorRun& run) {
+  if (!run.gravity_alignment()) return;
+  constexpr double kMinReported_rad = 2 * kDegree;
+  const Eigen::Quaterniond& aligned_from_world =
+      run.gravity_alignment()->aligned_from_world.rotation;
+  const double error_rad = so3_log(aligned_from_world).norm();
+  if (error_rad < std::max(kMinReported_rad, 3 * run.gravity_alignment()->sigma_rad)) return;
+  const EulerAngles estimated =
+      to_euler(aligned_from_world * run.inputs().initial.world_from_body.rotation);
   const bool is_by_truth = run.config().initial.from_truth;
-  const char* given_by = is_by_truth                  ? "the truth's first pose gives it"
-                         : run.config().attitude.path ? "attitude.path gives it"
-                                                      : "initial.roll_deg, initial.pitch_deg";
-  fmt::print(
-      stderr,
-      "stillkite: the start's attitude is {:.1f} deg off the vertical that the flight shows; "
-      "{} tells its poses {}; roll {:.1f} and pitch {:.1f} deg would suit ({})\n",
-      leans_rad / kDegree, name_of(run.config().estimator.policy),
-      is_by_truth ? "in the truth's world all the same" : "by that vertical",
-      suits.roll_rad / kDegree, suits.pitch_rad / kDegree, given_by);
+  const char* source = is_by_truth                  ? "the truth's first pose"
+                       : run.config().attitude.path ? "attitude.path"
+                                                    : "initial.roll_deg, initial.pitch_deg";
+  fmt::print(stderr,
+             "stillkite: initial attitude disagrees with gravity by {:.1f} deg (estimated roll "
+             "{:.1f}, pitch {:.1f} deg); source: {}; poses of {}: {}\n",
+             error_rad / kDegree, estimated.roll_rad / kDegree, estimated.pitch_rad / kDegree,
+             source, name_of(run.config().estimator.policy),
+             is_by_truth ? "in the truth's world, not aligned" : "gravity-aligned");
 }
 
 }  // namespace
@@ -167,7 +168,7 @@ void EstimatorRun::write_to(const std::filesystem::path& folder,
                             std::optional<std::int64_t> expected_frames) {
   const auto frames = static_cast<std::uintmax_t>(expected_frames.value_or(0));
   const std::uintmax_t bytes_per_frame =
-      kBytesPerFrame + (config_.output.overlay ? kBytesPerDrawnFrame : 0);
+      kBytesPerFrame + (config_.output.overlay ? kBytesPerOverlayFrame : 0);
   prepare_output_folder(folder, kBytesPerRun + frames * bytes_per_frame);
   files_.emplace(Files{.estimates = RunRecorder(folder), .commands = {}, .overlay = {}});
   if (config_.has_shadow()) files_->commands.emplace(folder);
@@ -181,18 +182,19 @@ void EstimatorRun::step(const Frame& frame) {
       .now = frame.stamp,
       .tether = TetherReading{.stamp = frame.stamp, .tether = config_.shadow.tether.state()},
       .station_from_body = std::nullopt,
-      .others = readings_between(inputs_.sensors, before_.value_or(frame.stamp), frame.stamp)};
-  before_ = frame.stamp;
+      .sensors =
+          readings_between(inputs_.sensors, previous_stamp_.value_or(frame.stamp), frame.stamp)};
+  previous_stamp_ = frame.stamp;
   const RunClock::time_point start = RunClock::now();
   Frame masked = frame;
   masked.mask = inputs_.mask;
   PilotStep step = pilot_.step(masked, readings);
   frame_ms_.push_back(std::chrono::duration<float, std::milli>(RunClock::now() - start).count());
-  upright_ = step.estimate.upright;
+  gravity_alignment_ = step.estimate.gravity_alignment;
   if (!config_.initial.from_truth) step.estimate = gravity_aligned(std::move(step.estimate));
   files_->estimates.add(step.estimate);
   if (files_->commands) files_->commands->add(frame.stamp, step.decision);
-  if (files_->overlay) files_->overlay->add(frame, step.estimate, pilot_.windows());
+  if (files_->overlay) files_->overlay->add(frame, step.estimate, pilot_.flow_vectors());
 }
 
 void EstimatorRun::finish() {
@@ -215,67 +217,68 @@ std::optional<CommandCounts> EstimatorRun::commands() const {
   return files_->commands ? std::optional(files_->commands->counts()) : std::nullopt;
 }
 
-Ending step_through(FrameSource& source, std::span<EstimatorRun> runs, const std::string& label) {
+RunOutcome step_through(FrameSource& source, std::span<EstimatorRun> runs,
+                        const std::string& label) {
   try {
     ProgressBar progress(label, source.expected());
-    std::size_t turn = 0;
+    std::size_t first = 0;
     while (!interrupted()) {
       const std::optional<Frame> frame = source.next();
       if (!frame) break;
-      for (std::size_t i = 0; i < runs.size(); ++i) runs[(turn + i) % runs.size()].step(*frame);
-      ++turn;
+      for (std::size_t i = 0; i < runs.size(); ++i) runs[(first + i) % runs.size()].step(*frame);
+      ++first;
       progress.step();
     }
   } catch (const std::exception& error) {
-    return {.failure = std::current_exception(), .complaint = error.what()};
+    return {.failure = std::current_exception(), .problem = error.what()};
   }
-  return {.failure = nullptr, .complaint = source.complaint()};
+  return {.failure = nullptr, .problem = source.problem()};
 }
 
-void finish_files(std::span<EstimatorRun> runs, Ending& ending) {
+void finish_files(std::span<EstimatorRun> runs, RunOutcome& outcome) {
   for (EstimatorRun& run : runs) {
     try {
       run.finish();
     } catch (const std::exception& error) {
-      if (ending.failure) continue;
-      ending = {.failure = std::current_exception(), .complaint = error.what()};
+      if (outcome.failure) continue;
+      outcome = {.failure = std::current_exception(), .problem = error.what()};
     }
   }
 }
 
 void check_row_times(const FrameSource& source, const RunConfig& config) {
-  if (!source.is_turned() || config.navigator.readout_s == 0) return;
-  throw InputError(fmt::format(
-      "navigator.readout_s: {} is marked to be shown turned, and its rows are not read out from "
-      "the top; take the mark out of the file and give the calibration of its images as they "
-      "are, or leave the readout out",
-      config.source.path.string()));
+  if (!source.is_rotated() || config.navigator.readout_s == 0) return;
+  throw InputError(
+      fmt::format("navigator.readout_s: {} has a rotation tag, so image rows are not sensor rows; "
+                  "remove the tag and calibrate the images as stored, or set "
+                  "navigator.readout_s to 0",
+                  config.source.path.string()));
 }
 
-void tell_of_doubtful_inputs(std::span<const EstimatorRun> runs) {
-  tell(runs, doubtful_inputs);
+void report_input_warnings(std::span<const EstimatorRun> runs) {
+  report_once(runs, input_warnings);
 }
 
-void tell_of_contradictions(const EstimatorRun& run) {
-  if (const auto doubt =
-          doubt_of_gyro(run.inputs().sensors.angular_rate_in_body_rad_s, seen_turns(run))) {
+void report_inconsistencies(const EstimatorRun& run) {
+  if (const auto inconsistency = gyro_inconsistency(run.inputs().sensors.angular_rate_in_body_rad_s,
+                                                    measured_rotations(run))) {
     fmt::print(stderr, "stillkite: {}: {}\n", run.config().imu.path ? "imu.path" : "gyro.path",
-               *doubt);
+               *inconsistency);
     return;
   }
-  tell_of_leaning_start(run);
+  report_initial_attitude_error(run);
 }
 
-void tell_of_ending(const Ending& ending, std::span<const EstimatorRun> runs,
+void report_outcome(const RunOutcome& outcome, std::span<const EstimatorRun> runs,
                     const std::filesystem::path& out) {
-  // a failure's is told where it is caught
-  if (ending.complaint && !ending.failure) {
-    fmt::print(stderr, "stillkite: {}\n", *ending.complaint);
+  // main() reports the message of a failure
+  if (outcome.problem && !outcome.failure) {
+    fmt::print(stderr, "stillkite: {}\n", *outcome.problem);
   }
-  tell(runs, uncovered_sensors);
-  tell(runs, what_is_fixed);
-  if (ending.failure || interrupted()) {
-    fmt::print(stderr, "stillkite: stopped after {} frames; what was estimated is in {}\n",
+  report_once(runs, uncovered_sensors);
+  report_once(runs, static_overlay_warnings);
+  if (outcome.failure || interrupted()) {
+    fmt::print(stderr, "stillkite: stopped after {} frames; their results are in {}\n",
                runs.front().estimates().size(), out.string());
   }
 }

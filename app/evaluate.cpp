@@ -35,7 +35,7 @@ Alignment alignment_named(std::string_view wanted) {
   return Alignment::none;  // CLI11 has checked the name
 }
 
-/// A true trajectory; of a data set also its velocities and where its camera sits in the body.
+/// Ground-truth trajectory; of a data set also its velocities and the camera's extrinsics.
 struct TruthOnDisk {
   Truth truth;
   RigidTransform body_from_camera;
@@ -61,17 +61,17 @@ std::string span_text(const std::vector<StampedPose>& poses) {
 void reject_if_unmatched(const Evaluation& evaluation, const EvaluateArguments& arguments,
                          const std::vector<StampedPose>& truth,
                          const std::vector<StampedPose>& estimate) {
-  if (evaluation.matched < kFewestToJudge) {
+  if (evaluation.matched < kMinEvaluatedFrames) {
     throw InputError(fmt::format(
-        "{}: {} of its stamps are within {} s of one in {}, too few; the estimate has {}, the "
-        "truth {}: are both on one clock? (--tolerance-s widens the match)",
+        "{}: only {} stamps match within {} s in {}; the estimate has {}, the truth {}; check that "
+        "both use the same clock, or increase --tolerance-s",
         arguments.estimate, evaluation.matched, arguments.tolerance_s, arguments.truth,
         span_text(estimate), span_text(truth)));
   }
   if (!evaluation.alignment) {
     throw InputError(fmt::format(
-        "{}: --align {} is not determined by these paths (one of them stands still, or has no "
-        "extent in the directions that it needs); use --align origin or none",
+        "{}: --align {} is not observable from these trajectories (too little extent); use --align "
+        "origin or none",
         arguments.estimate, arguments.alignment));
   }
 }
@@ -107,7 +107,7 @@ void print_table(const Evaluation& evaluation, const EvaluateArguments& argument
     fmt::print(" (scale {:.6f})", evaluation.alignment->scale);
   }
   fmt::print("\n\nPose\n");
-  fmt::print("  {:<22} {:.5g} m, at most {:.5g} m\n", "position RMSE (ATE)", position.rmse_m,
+  fmt::print("  {:<22} {:.5g} m, maximum {:.5g} m\n", "position RMSE (ATE)", position.rmse_m,
              position.max_m);
   fmt::print("  {:<22} {:.5g} m horizontal, {:.5g} m vertical\n", "end error",
              position.end->horizontal_m, position.end->vertical_m);
@@ -116,10 +116,10 @@ void print_table(const Evaluation& evaluation, const EvaluateArguments& argument
   }
   fmt::print("  {:<22} {:.4g} deg tilt, {:.4g} deg yaw\n", "attitude RMSE",
              error.tilt_rmse_rad / kDegree, error.yaw_rmse_rad / kDegree);
-  print_relative("relative, a frame", evaluation.per_frame);
+  print_relative("relative, per frame", evaluation.per_frame);
   print_relative("relative, path / 10", evaluation.per_tenth);
-  // a trajectory tells no speeds: where it is corrected it jumps, and its rate with it
-  fmt::print("\nMotion in the camera, by the differences of the estimated poses\n");
+  // differences of poses: corrections of the trajectory appear as velocity peaks
+  fmt::print("\nVelocity in the camera frame, from differences of the estimated poses\n");
   fmt::print("{:<29} {:>10} {:>11} {:>11}\n", "", "x", "y", "z");
   print_axes("velocity", evaluation.velocity, "m/s");
   print_axes("rate", evaluation.angular_rate, "rad/s");
@@ -128,7 +128,7 @@ void print_table(const Evaluation& evaluation, const EvaluateArguments& argument
 void run(const EvaluateArguments& arguments) {
   const TruthOnDisk truth = read_truth(arguments.truth);
   const std::vector<StampedPose> estimate = read_trajectory(arguments.estimate);
-  const Evaluation evaluation = evaluate(judged_motions(estimate), truth.truth,
+  const Evaluation evaluation = evaluate(evaluated_motions(estimate), truth.truth,
                                          {.tolerance_s = arguments.tolerance_s,
                                           .alignment = alignment_named(arguments.alignment),
                                           .body_from_camera = truth.body_from_camera});
@@ -145,38 +145,41 @@ void run(const EvaluateArguments& arguments) {
 void add_evaluate(CLI::App& app) {
   const auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* command =
-      app.add_subcommand("evaluate", "Judge an estimated trajectory by a true one.");
+      app.add_subcommand("evaluate", "Evaluate an estimated trajectory against ground truth");
   command
       ->add_option("--truth", arguments->truth,
-                   "EuRoC data set or data.csv, or a TUM file; of a data set its velocities too")
+                   "Ground truth: EuRoC data set or data.csv, or TUM file")
       ->required();
-  command->add_option("--estimate", arguments->estimate, "the same, or the folder of a run")
+  command
+      ->add_option("--estimate", arguments->estimate,
+                   "Estimate: as --truth, or the folder of a run")
       ->required();
   std::vector<std::string> alignments;
   alignments.reserve(EnumNames<Alignment>::value.size());
   for (const auto& [value, name] : EnumNames<Alignment>::value) alignments.emplace_back(name);
   command
-      ->add_option("--align", arguments->alignment,
-                   "how the estimate is laid onto the truth: as it is, by its first pose, by 4 "
-                   "degrees of freedom, by a rigid motion, by that and scale")
+      ->add_option(
+          "--align", arguments->alignment,
+          "Alignment of the estimate to the truth: none, first pose, 4 degrees of freedom, rigid, "
+          "similarity")
       ->check(CLI::IsMember(alignments).description(""))
       ->option_text("none|origin|yaw|se3|sim3");
   command
       ->add_option("--tolerance-s", arguments->tolerance_s,
-                   "how far apart in time an estimate and the nearest truth may be")
+                   "Maximum time difference between an estimate and the nearest truth")
       ->check(CLI::Validator(
           [](const std::string& text) {
             double tolerance_s = 0;
-            const bool is_one = CLI::detail::lexical_cast(text, tolerance_s) && tolerance_s >= 0 &&
-                                std::isfinite(tolerance_s);
-            return is_one ? std::string() : text + " is no number of seconds, 0 or more";
+            const bool is_valid = CLI::detail::lexical_cast(text, tolerance_s) &&
+                                  tolerance_s >= 0 && std::isfinite(tolerance_s);
+            return is_valid ? std::string() : text + ": expected seconds, 0 or more";
           },
           ""))
       ->capture_default_str();
-  command->add_flag("--json", arguments->json, "the same figures as JSON");
+  command->add_flag("--json", arguments->json, "Print the figures as JSON");
   command->footer(
       "Example: stillkite evaluate --truth truth.tum --estimate out/flight/trajectory.tum\n"
-      "A run judges itself, by its own velocities: see evaluation in its summary.json.");
+      "A run with truth evaluates itself with its own velocities: evaluation in its summary.json.");
   command->callback([arguments] { run(*arguments); });
 }
 

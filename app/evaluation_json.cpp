@@ -61,7 +61,7 @@ json consistency_json(const std::optional<Consistency>& consistency) {
           {"share_inside", consistency->share_inside}};
 }
 
-// Of poses seen from a reference frame, which the flow alone does not give.
+// Relative poses to the reference frame; policy flow has none.
 json reference_json(const std::optional<ReferenceError>& error) {
   const auto figure = [&](const auto& value) { return error ? number_or_null(value) : json(); };
   const ReferenceError of = error.value_or(ReferenceError{});

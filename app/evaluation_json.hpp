@@ -6,7 +6,7 @@
 
 namespace stillkite {
 
-/// `evaluation` of summary.json: the names are the documented ones, what is unknown is null.
+/// `evaluation` of summary.json; unavailable figures are null.
 [[nodiscard]] nlohmann::json evaluation_json(const Evaluation& evaluation);
 
 }  // namespace stillkite

@@ -2,10 +2,10 @@
 
 namespace stillkite {
 
-/// What the command tells the shell.
+/// Exit status of the command.
 enum class ExitCode { done = 0, failed = 1, wrong_input = 2, interrupted = 130 };
 
-/// Thrown by a subcommand that was stopped by Ctrl-C and has written what it had.
+/// Thrown by a subcommand after Ctrl-C, once its results so far are written.
 struct Interrupted {};
 
 }  // namespace stillkite

@@ -15,7 +15,7 @@ std::string print_vector(const Eigen::Vector3d& v) {
   return fmt::format("{:.9f},{:.9f},{:.9f}", v.x(), v.y(), v.z());
 }
 
-// EuRoC's sensor.yaml of the camera; T_BS is body_from_camera.
+// Camera's sensor.yaml of EuRoC; T_BS is body_from_camera.
 std::string camera_yaml(const FlightRecord& flight, double frames_per_s) {
   const Camera& camera = flight.camera;
   Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = Eigen::Matrix4d::Identity();
@@ -38,7 +38,7 @@ std::string camera_yaml(const FlightRecord& flight, double frames_per_s) {
       fmt::join(camera.coefficients.begin(), camera.coefficients.begin() + used, ", "));
 }
 
-// Pose and velocity in the world; the biases of the IMU are left out.
+// Pose and velocity in the world, without EuRoC's IMU bias columns.
 std::string truth_csv(const FlightRecord& flight) {
   std::string out =
       "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
@@ -60,7 +60,7 @@ std::string truth_tum(const FlightRecord& flight) {
   return out;
 }
 
-// A row is the motion half way between the frame before and this one, in the camera.
+// Row: velocity half way between the previous frame and this one, in the camera frame.
 std::string velocity_csv(const FlightRecord& flight) {
   std::string out = "#timestamp [ns],vx,vy,vz [m/s camera frame],wx,wy,wz [rad/s camera frame]\n";
   for (const StampedTwist& row : flight.twists_in_camera) {

@@ -6,9 +6,9 @@
 
 namespace stillkite {
 
-/// Writes what both layouts share below the data set's folder: sensor.yaml of the camera into
-/// `camera_folder`, the truth and the IMU as EuRoC has them, and at the top what EuRoC has not.
-/// World, body and camera as in docs/notation.md; stamps count from the first frame.
+/// Writes the files common to both layouts: the camera's sensor.yaml into `camera_folder`, truth
+/// and IMU in EuRoC's format into `dataset`, all other logs into `top`. Frames as in
+/// docs/notation.md; stamps are relative to the first frame.
 void write_flight_files(const FlightRecord& flight, double frames_per_s,
                         const std::filesystem::path& top, const std::filesystem::path& dataset,
                         const std::filesystem::path& camera_folder);

@@ -43,12 +43,12 @@ struct HoverArguments {
 
 constexpr std::uintmax_t kBytesPerTrial = 1 << 20;
 
-int crew_size(int asked_for, std::size_t trials) {
+int thread_count(int requested, std::size_t trials) {
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  return std::min(asked_for > 0 ? asked_for : cores, static_cast<int>(trials));
+  return std::min(requested > 0 ? requested : cores, static_cast<int>(trials));
 }
 
-// Nothing that is read there is overwritten.
+// Throws InputError if a result would overwrite an input.
 void prepare(const fs::path& folder, const fs::path& config_file, const HoverConfig& config,
              std::size_t trials) {
   std::vector<fs::path> inputs{config_file};
@@ -61,20 +61,20 @@ void prepare(const fs::path& folder, const fs::path& config_file, const HoverCon
 }
 
 std::vector<Trial> trials_of(const HoverConfig& config) {
-  constexpr double kLongest_s = 3600;
+  constexpr double kMaxDuration_s = 3600;
   if (config.plant.camera.readout_s > 0) {
-    throw InputError("plant.camera.readout_s: a trial's camera exposes all rows at once; 0");
+    throw InputError("plant.camera.readout_s: trials simulate a global shutter only; set 0");
   }
   const std::vector<Trial> trials = make_trials(config);
   if (trials.empty()) {
-    throw InputError("hover: trials.on and trials.off are both 0; nothing would be flown");
+    throw InputError("hover: trials.on and trials.off are both 0; set at least one");
   }
   for (const Trial& trial : trials) {
     const double duration_s = StationPath(config.plant.station, trial.axis).duration_s();
-    if (duration_s <= kLongest_s) continue;
+    if (duration_s <= kMaxDuration_s) continue;
     throw InputError(fmt::format(
-        "plant.station: its way takes {:.3g} s at that speed and acceleration; at most {:.0f}",
-        duration_s, kLongest_s));
+        "plant.station: the path takes {:.3g} s, maximum {:.0f}; increase speed or acceleration",
+        duration_s, kMaxDuration_s));
   }
   return trials;
 }
@@ -84,13 +84,13 @@ struct FlownTrials {
   nlohmann::json summary;
 };
 
-// Flies them and fills the folder.
+// Flies the trials and writes the results.
 FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
                        const HoverConfig& config, const HoverWorld& world,
                        const std::vector<Trial>& trials, const std::string& label) {
   const auto start = std::chrono::steady_clock::now();
   TrialFleet fleet(config, world, trials, label);
-  const std::exception_ptr failure = fleet.fly(crew_size(arguments.jobs, trials.size()));
+  const std::exception_ptr failure = fleet.fly(thread_count(arguments.jobs, trials.size()));
   const std::vector<TrialRecord>& records = fleet.records();
   if (failure && records.empty()) std::rethrow_exception(failure);
   const double wall_s =
@@ -100,7 +100,7 @@ FlownTrials fly_trials(const HoverArguments& arguments, const fs::path& out,
   nlohmann::json summary = hover_summary(records, policy, wall_s);
   summary["interrupted"] = interrupted();
   if (failure || interrupted()) {
-    fmt::print(stderr, "stillkite: {}: stopped after {} of {} trials; what was flown is in {}\n",
+    fmt::print(stderr, "stillkite: {}: stopped after {} of {} trials; their results are in {}\n",
                label, records.size(), trials.size(), out.string());
   }
   const std::vector<HoverReportTrial> drawn = hover_report_trials(records, fleet.images(), policy);
@@ -126,15 +126,14 @@ void hover_with_one(const HoverArguments& arguments) {
   if (arguments.json) {
     fmt::print("{}\n", json_text(flown.summary));
   } else {
-    fmt::print("{}\n{} trials, {:.1f} times as fast as real time\nreport       {}\n",
-               hover_table(flown.summary), flown.records.size(),
-               flown.summary["timing"]["real_time_factor"].get<double>(),
+    fmt::print("{}\n{} trials, {:.1f} x real time\nreport       {}\n", hover_table(flown.summary),
+               flown.records.size(), flown.summary["timing"]["real_time_factor"].get<double>(),
                (out / "report.html").string());
   }
 }
 
-// Without stabilization no estimator flies: unless each is to look on, those flights are the first
-// one's only.
+// Trials without stabilization do not depend on the estimator: only the first variant flies them,
+// unless trials.estimate_off is set.
 void hover_with_each(const HoverArguments& arguments) {
   const std::string list = fmt::format("{}", fmt::join(arguments.estimators, ","));
   const std::vector<HoverVariant> variants =
@@ -173,7 +172,7 @@ void hover_with_each(const HoverArguments& arguments) {
 }
 
 void hover(const HoverArguments& arguments) {
-  // a trial is one thread: side by side they use the cores better than OpenCV would within one
+  // one thread per trial scales better than OpenCV's threads within a trial
   cv::setNumThreads(1);
   if (arguments.estimators.empty()) {
     hover_with_one(arguments);
@@ -187,38 +186,36 @@ void hover(const HoverArguments& arguments) {
 
 void add_hover(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "hover", "Fly the tethered drone in closed loop while its station moves: the hold trials");
+      "hover", "Simulate the tethered drone in closed loop over a moving station (hold trials)");
   const auto arguments = std::make_shared<HoverArguments>();
   command->add_option("config", arguments->config, "YAML file, such as configs/trials_fused.yaml");
   command
       ->add_option(
           "--estimators", arguments->estimators,
-          "Fly the same seeds with each, separated by commas: policies, and configurations of "
-          "your own as NAME:key=value,key=value (default: the configuration's alone)")
+          "Comma-separated policies and custom configurations NAME:key=value,key=value, each flown "
+          "with the same seeds (default: the policy of the configuration)")
       ->allow_extra_args(false)
       ->type_name("LIST");
   add_overrides(*command, arguments->overrides);
   add_results_folder(*command, arguments->out);
-  command->add_option("--jobs", arguments->jobs, "Trials flown at once (default: one a core)")
+  command
+      ->add_option("--jobs", arguments->jobs, "Number of parallel trials (default: one per core)")
       ->check(CLI::Range(1, 1024));
-  command->add_flag(
-      "--json", arguments->json,
-      "Print summary.json, with --estimators comparison.json, on stdout and nothing else");
+  command->add_flag("--json", arguments->json,
+                    "Print only summary.json on stdout, with --estimators comparison.json");
   const auto print = std::make_shared<bool>(false);
-  command->add_flag("--print", *print, "Print the configuration, every key explained, and stop");
+  command->add_flag("--print", *print, "Print the configuration with descriptions and exit");
   command->footer(
-      "Writes trials.csv (a row a trial), samples.csv (a row an image), "
-      "estimates.csv (what each was off by), summary.json, "
-      "report.html\n"
-      "and the effective configuration hover.yaml; with --estimators a folder of these for each, "
-      "and\ncomparison.json. Flights without stabilization are then flown once, with the first, "
-      "unless\n"
-      "trials.estimate_off is set.");
+      "Writes trials.csv (one row per trial), samples.csv (one row per image), estimates.csv\n"
+      "(estimation errors), summary.json, report.html and the effective configuration hover.yaml.\n"
+      "With --estimators: one such folder per estimator, and comparison.json. Trials without\n"
+      "stabilization are then flown with the first estimator only, unless trials.estimate_off is "
+      "set.");
   command->callback([arguments, print] {
     if (*print) {
       fmt::print("{}", print_config(load_hover_config(arguments->config, arguments->overrides)));
     } else if (!arguments->config) {
-      throw InputError("hover: no configuration is given; try configs/trials_fused.yaml");
+      throw InputError("hover: missing configuration; for example configs/trials_fused.yaml");
     } else {
       hover(*arguments);
     }

@@ -19,7 +19,7 @@ using nlohmann::json;
 constexpr std::array<std::pair<const char*, std::optional<PaperAxis>>, 4> kComparedAxes{
     {{"x", PaperAxis::x}, {"y", PaperAxis::y}, {"z", PaperAxis::z}, {"all", std::nullopt}}};
 
-bool counts(const TrialRecord& record, std::optional<PaperAxis> axis) {
+bool is_compared(const TrialRecord& record, std::optional<PaperAxis> axis) {
   return record.trial.stabilized && (!axis || record.trial.axis == *axis);
 }
 
@@ -32,26 +32,27 @@ std::vector<double> trial_means_m(const ComparedTrials& flown, std::optional<Pap
   std::vector<double> means;
   means.reserve(flown.records.size());
   for (const TrialRecord& record : flown.records) {
-    if (!counts(record, axis)) continue;
+    if (!is_compared(record, axis)) continue;
     if (const auto mean_m = mean_displacement_m(record)) means.push_back(*mean_m);
   }
   return means;
 }
 
-// Of trials along the same axis with the same seed.
+// Differences between trials with the same axis and seed.
 std::vector<double> trial_differences_m(const ComparedTrials& flown, const ComparedTrials& other,
                                         std::optional<PaperAxis> axis) {
   std::vector<double> differences;
   differences.reserve(flown.records.size());
   for (const TrialRecord& record : flown.records) {
-    if (!counts(record, axis)) continue;
-    const auto twin =
+    if (!is_compared(record, axis)) continue;
+    const auto match =
         std::find_if(other.records.begin(), other.records.end(), [&](const TrialRecord& candidate) {
-          return counts(candidate, record.trial.axis) && candidate.trial.seed == record.trial.seed;
+          return is_compared(candidate, record.trial.axis) &&
+                 candidate.trial.seed == record.trial.seed;
         });
-    if (twin == other.records.end()) continue;
+    if (match == other.records.end()) continue;
     const auto mean_m = mean_displacement_m(record);
-    const auto other_mean_m = mean_displacement_m(*twin);
+    const auto other_mean_m = mean_displacement_m(*match);
     if (mean_m && other_mean_m) differences.push_back(*mean_m - *other_mean_m);
   }
   return differences;
@@ -82,7 +83,7 @@ void add_trial_differences(json& list, const ComparedTrials& flown, const Compar
   }
 }
 
-std::string in_centimetres(const json& interval) {
+std::string centimetre_text(const json& interval) {
   if (!interval["mean_m"].is_number()) return "-";
   const double mean_m = interval["mean_m"].get<double>();
   if (!interval["high_m"].is_number()) return fmt::format("{:.2f}", 100 * mean_m);
@@ -127,7 +128,7 @@ json hover_comparison_json(std::span<const ComparedTrials> estimators) {
 }
 
 std::string hover_comparison_table(const json& comparison) {
-  std::string text = fmt::format("{:<30}", "mean |d| of a trial, cm");
+  std::string text = fmt::format("{:<30}", "mean |d| per trial, cm");
   for (const json& entry : comparison["estimators"]) {
     text += fmt::format("{:>18}{:9}", entry["name"].get<std::string>(), "");
   }
@@ -138,16 +139,15 @@ std::string hover_comparison_table(const json& comparison) {
         fmt::format("{} ({} trials)", name,
                     comparison["estimators"][0]["displacement"][name]["trials"].dump()));
     for (const json& entry : comparison["estimators"]) {
-      text += fmt::format("{:>18} {:<8}", in_centimetres(entry["displacement"][name]),
+      text += fmt::format("{:>18} {:<8}", centimetre_text(entry["displacement"][name]),
                           verdict_against_first(comparison, entry, name));
     }
   }
   text.erase(text.find_last_not_of(' ') + 1);
-  return text +
-         fmt::format(
-             "\n+-: 95 % of the mean over trials (Student's t); better, worse: than {} on the "
-             "same seeds, significantly; n.s.: not\n",
-             comparison["estimators"][0]["name"].get<std::string>());
+  return text + fmt::format(
+                    "\n+-: 95 % interval of the mean over trials (Student's t); better, worse: "
+                    "significant difference from {} on the same seeds; n.s.: not significant\n",
+                    comparison["estimators"][0]["name"].get<std::string>());
 }
 
 }  // namespace stillkite

@@ -10,7 +10,7 @@
 
 namespace stillkite {
 
-/// The trials that one of several estimators flew.
+/// Trials of one estimator.
 struct ComparedTrials {
   std::string name;
   std::vector<std::string> overrides;
@@ -19,13 +19,13 @@ struct ComparedTrials {
   nlohmann::json summary;  ///< its summary.json
 };
 
-/// comparison.json of trials in closed loop. Of each estimator the mean over its stabilized trials
-/// of a trial's mean |d|, along each of the paper's axes and in all, with the 95 % interval of
-/// Student's t; and of every pair the same of the differences between trials of the same seed. The
-/// verdicts are those of comparison_json. What is unknown is null.
+/// comparison.json of trials in closed loop. Per estimator: mean of the trials' mean |d| over the
+/// stabilized trials, per paper axis and overall, with the 95 % interval of Student's t. Per pair:
+/// the same of the differences between trials of the same seed, with the verdicts of
+/// comparison_json. Unavailable figures are null.
 [[nodiscard]] nlohmann::json hover_comparison_json(std::span<const ComparedTrials> estimators);
 
-/// Its figures for a person, in cm.
+/// Text table of its figures, cm.
 [[nodiscard]] std::string hover_comparison_table(const nlohmann::json& comparison);
 
 }  // namespace stillkite

@@ -28,7 +28,7 @@ json rms_of(const std::vector<double>& values) {
   return mean.is_null() ? mean : json(std::sqrt(mean.get<double>()));
 }
 
-// Nearest rank: the smallest value that 95 % of them do not exceed.
+// Nearest-rank percentile.
 json percentile_95_of(std::vector<double> values) {
   if (values.empty()) return nullptr;
   std::sort(values.begin(), values.end());
@@ -52,8 +52,7 @@ json hover_estimate_json(std::span<const TrialRecord> records) {
       if (error.position_error_m) positions_m.push_back(*error.position_error_m);
       if (error.velocity_error_m_s) velocities_m_s.push_back(*error.velocity_error_m_s);
       if (error.pose_nees) nees.push_back(*error.pose_nees);
-      const bool tells = is_measured(error.verdict);
-      available.push_back(tells ? 1 : 0);
+      available.push_back(is_measured(error.verdict) ? 1 : 0);
     }
   }
   return {{"position_rmse_m", rms_of(positions_m)},
@@ -83,8 +82,8 @@ std::string hover_estimates_csv(std::span<const TrialRecord> records) {
 
 std::string hover_estimate_line(const json& estimate) {
   return fmt::format(
-      "estimate: place within {} mm (rms), velocity {} cm/s (rms), {} (95 %), NEES {} of 6, "
-      "available {} %\n",
+      "estimate: position error {} mm (RMS), velocity error {} cm/s (RMS), {} (95 %), "
+      "NEES {} of 6, available {} %\n",
       scaled_or_dash(estimate["position_rmse_m"], 1000),
       scaled_or_dash(estimate["velocity_rmse_m_s"], 100),
       scaled_or_dash(estimate["velocity_p95_m_s"], 100), scaled_or_dash(estimate["nees_mean"], 1),

@@ -9,10 +9,10 @@
 
 namespace stillkite {
 
-/// A small image of what the drone's camera saw.
+/// Thumbnail of a camera frame.
 [[nodiscard]] HoverImage hover_image(const Frame& frame);
 
-/// The trials as the report draws them, their images moved in.
+/// Trials in the report's format; takes over the images.
 [[nodiscard]] std::vector<HoverReportTrial> hover_report_trials(
     const std::vector<TrialRecord>& records, std::vector<std::vector<HoverImage>> images,
     const std::string& policy);

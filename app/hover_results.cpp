@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-// Table I of the hold paper, cm: x, y, z, all.
+// Hold paper, table I, cm: x, y, z, all.
 struct PaperRow {
   const char* trials;
   const char* figure;
@@ -34,7 +34,7 @@ std::string policy_of(const Trial& trial, const std::string& policy) {
   return trial.stabilized ? policy : "none";
 }
 
-std::string in_cm(const json& metres) {
+std::string cm_text(const json& metres) {
   return metres.is_number() ? fmt::format("{:.1f}", 100 * metres.get<double>()) : "-";
 }
 
@@ -108,7 +108,7 @@ std::string samples_csv(std::span<const TrialRecord> records) {
 }
 
 std::string hover_table(const json& summary) {
-  std::string out = fmt::format("{:<28}", "displacement, cm (paper's)");
+  std::string out = fmt::format("{:<28}", "displacement, cm (paper)");
   for (const char* column : kTableColumns) out += fmt::format("{:>16}", column);
   out += '\n';
   for (const PaperRow& row : kPaperTable) {
@@ -116,7 +116,7 @@ std::string hover_table(const json& summary) {
     out += fmt::format("stabilization {:<4}{:<10}", row.trials, figure);
     for (std::size_t i = 0; i < kTableColumns.size(); ++i) {
       const json& value = summary["table"][row.trials][kTableColumns[i]][row.figure];
-      out += fmt::format("{:>10} ({:>3})", in_cm(value), row.cm[i]);
+      out += fmt::format("{:>10} ({:>3})", cm_text(value), row.cm[i]);
     }
     out += '\n';
   }

@@ -8,22 +8,21 @@
 
 namespace stillkite {
 
-/// A trial's displacement along its moved axis, m, one a sample.
+/// Signed displacement along the trial's moved axis, one per sample.
 [[nodiscard]] std::vector<double> displacements_m(const TrialRecord& record);
 
-/// summary.json of the trials: Table I of the hold paper, every trial, and how fast they were
-/// flown.
+/// summary.json of the trials: table I of the hold paper, every trial, and the real-time factor.
 [[nodiscard]] nlohmann::json hover_summary(std::span<const TrialRecord> records,
                                            const std::string& policy, double wall_s);
 
-/// One row a trial; of a trial that was not flown nothing.
+/// One row per flown trial.
 [[nodiscard]] std::string trials_csv(std::span<const TrialRecord> records,
                                      const std::string& policy);
 
-/// One row a sample of every trial: truth, command and why.
+/// One row per sample of every trial: truth, command and reason.
 [[nodiscard]] std::string samples_csv(std::span<const TrialRecord> records);
 
-/// Table I beside the paper's.
+/// Text of table I with the paper's figures.
 [[nodiscard]] std::string hover_table(const nlohmann::json& summary);
 
 }  // namespace stillkite

@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<std::string_view, 6> kSharedHoverSections{"seed", "scene",      "trials",
                                                                "link", "plant_file", "plant"};
 
-/// An image as the video link's compression leaves it.
+/// JPEG compression of the video link.
 cv::Mat through_jpeg(const cv::Mat& grey, int quality) {
   std::vector<unsigned char> bytes;
   cv::imencode(".jpg", grey, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
@@ -28,7 +28,9 @@ HoverConfig load_hover_config(const std::optional<std::filesystem::path>& file,
   HoverConfig config;
   if (root.find("plant_file") != nullptr) {
     const auto plant_file = bind_config<HoverConfig>(root).plant_file;
-    if (plant_file) config.plant = bind_config<PlantConfig>(read_yaml(*plant_file));
+    if (plant_file) {
+      config.plant = bind_config<PlantConfig>(read_config_section(*plant_file, "plant."));
+    }
   }
   return bind_config<HoverConfig>(root, config);
 }

@@ -17,7 +17,7 @@ extern "C" void raise_flag(int /*signal*/) {
 void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = raise_flag;
-  action.sa_flags = SA_RESETHAND;  // without SA_RESTART, so that it ends an open that waits
+  action.sa_flags = SA_RESETHAND;  // no SA_RESTART: a blocked open() returns EINTR
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 

@@ -2,8 +2,8 @@
 
 namespace stillkite {
 
-/// From here on the first SIGINT, SIGTERM or SIGHUP only raises a flag and ends a call that waits
-/// for a file; a second one ends the process.
+/// Installs handlers: the first SIGINT, SIGTERM or SIGHUP sets a flag and interrupts blocking file
+/// calls; the second terminates the process.
 void catch_interrupts();
 
 [[nodiscard]] bool interrupted();

@@ -24,16 +24,17 @@ ExitCode fail(ExitCode code, const char* message) {
 
 // The subcommands run inside the parse, as CLI11's callbacks.
 ExitCode run_command_line(int argc, char** argv) {
-  CLI::App app("From a drone's video: how it moves, in metres, and where it is.", "stillkite");
+  CLI::App app("Visual navigation of a drone from one camera, without GNSS.", "stillkite");
   app.set_version_flag("--version", "stillkite " STILLKITE_VERSION);
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* at, const CLI::Error& error) {
     return fmt::format("stillkite: {}\nTry: {} --help\n", error.what(), at->get_name());
   });
   app.footer(
-      "Start with: stillkite config > my.yaml   (every key of a run, its default and meaning);\n"
-      "the keys of a flight: stillkite simulate --print, of the trials: stillkite hover --print.\n"
-      "Exit status: 0 done, 1 the run failed, 2 wrong use or input, 130 interrupted.");
+      "Keys of a run with default and description: stillkite config > my.yaml\n"
+      "Keys of a simulated flight: stillkite simulate --print; of the trials: stillkite hover "
+      "--print\n"
+      "Exit status: 0 done, 1 failure, 2 wrong use or input, 130 interrupted.");
 
   stillkite::add_run(app);
   stillkite::add_simulate(app);
@@ -46,15 +47,15 @@ ExitCode run_command_line(int argc, char** argv) {
   const auto is_it = [&](const CLI::App* command) { return command->get_name() == first; };
   const std::vector<CLI::App*> commands = app.get_subcommands({});
   if (!first.empty() && first[0] != '-' && std::ranges::none_of(commands, is_it)) {
-    throw stillkite::InputError(first + ": no such command; stillkite --help lists them");
+    throw stillkite::InputError(first + ": unknown subcommand; see stillkite --help");
   }
   try {
     app.parse(argc, argv);
     return ExitCode::done;
   } catch (const CLI::ParseError& error) {
-    const bool asked_for_text = error.get_exit_code() == 0;  // --help, --version
+    const bool is_help = error.get_exit_code() == 0;  // --help, --version
     app.exit(error);
-    return asked_for_text ? ExitCode::done : ExitCode::wrong_input;
+    return is_help ? ExitCode::done : ExitCode::wrong_input;
   }
 }
 
@@ -62,7 +63,7 @@ ExitCode exit_code_of(int argc, char** argv) {
   try {
     return run_command_line(argc, argv);
   } catch (const stillkite::InputError& error) {
-    // what was being opened when the signal came
+    // the signal interrupted open()
     if (stillkite::interrupted()) return fail(ExitCode::interrupted, "interrupted");
     return fail(ExitCode::wrong_input, error.what());
   } catch (const stillkite::Interrupted&) {
@@ -70,18 +71,18 @@ ExitCode exit_code_of(int argc, char** argv) {
   } catch (const std::exception& error) {
     return fail(ExitCode::failed, error.what());
   } catch (...) {
-    return fail(ExitCode::failed, "an unknown error");
+    return fail(ExitCode::failed, "unknown error");
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is then an error of write, as a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // write() then returns an error at a file size limit
   stillkite::catch_interrupts();
   const ExitCode code = exit_code_of(argc, argv);
   if (std::fflush(stdout) != 0 && code == ExitCode::done) {
-    return static_cast<int>(fail(ExitCode::failed, "standard output cannot be written"));
+    return static_cast<int>(fail(ExitCode::failed, "cannot write standard output"));
   }
   return static_cast<int>(code);
 }

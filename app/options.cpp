@@ -5,12 +5,11 @@
 namespace stillkite {
 
 void add_overrides(CLI::App& command, std::vector<std::string>& overrides) {
-  command
-      .add_option("--set", overrides,
-                  "Override a key of the configuration, as key=value; may be repeated")
+  command.add_option("--set", overrides,
+                     "Override a key of the configuration; may be repeated")
       ->expected(1)
       ->take_all()
-      ->allow_extra_args(false)  // else it would take the configuration after it
+      ->allow_extra_args(false)  // otherwise it consumes the positional argument after it
       ->type_name("KEY=VALUE");
 }
 

@@ -10,7 +10,7 @@ class App;
 
 namespace stillkite {
 
-// Options that several subcommands share; what they fill must outlive the command's callback.
+// Options shared by several subcommands. The referenced variables must outlive the callback.
 
 void add_overrides(CLI::App& command, std::vector<std::string>& overrides);
 void add_results_folder(CLI::App& command, std::filesystem::path& out);

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kSettled_deg = 3;
-constexpr double kPrompt_s = 5;
+constexpr double kSettlingLimit_s = 5;
 
 std::vector<double> yaw_deg(const TrialRecord& record) {
   std::vector<double> values;
@@ -53,7 +53,7 @@ json kick_json(std::size_t trial, const YawKick& kick, const std::optional<doubl
           {"settled_s", settled_s ? json(*settled_s) : json(nullptr)}};
 }
 
-// What never settles is the worst; the median takes it for longer than any.
+// A kick that never settles counts as infinite.
 json settled_json(const std::vector<std::optional<double>>& times_s) {
   std::vector<double> sorted;
   sorted.reserve(times_s.size());
@@ -64,10 +64,10 @@ json settled_json(const std::vector<std::optional<double>>& times_s) {
   const auto finite = [](double value) {
     return std::isfinite(value) ? json(value) : json(nullptr);
   };
-  const auto prompt = std::count_if(sorted.begin(), sorted.end(),
-                                    [](double time_s) { return time_s <= kPrompt_s; });
+  const auto within_limit = std::count_if(sorted.begin(), sorted.end(),
+                                          [](double time_s) { return time_s <= kSettlingLimit_s; });
   return {{"kicks", sorted.size()},
-          {"within_5_s", prompt},
+          {"within_5_s", within_limit},
           {"median_s", sorted.empty() ? json(nullptr) : finite(sorted[(sorted.size() - 1) / 2])},
           {"worst_s", sorted.empty() ? json(nullptr) : finite(sorted.back())}};
 }
@@ -117,10 +117,11 @@ std::string orientation_table(const json& orientation) {
   }
   const json& settling = orientation["settling"];
   return out + fmt::format(
-                   "{} kicks, back within {} degrees to stay in {} s (median), {} s (worst); {} of "
-                   "them in {} s\n",
+                   "{} kicks, settling time to {} degrees {} s (median), {} s (worst); {} "
+                   "within {} s\n",
                    settling["kicks"].dump(), kSettled_deg, figure_or_dash(settling["median_s"]),
-                   figure_or_dash(settling["worst_s"]), settling["within_5_s"].dump(), kPrompt_s);
+                   figure_or_dash(settling["worst_s"]), settling["within_5_s"].dump(),
+                   kSettlingLimit_s);
 }
 
 }  // namespace stillkite

@@ -8,12 +8,12 @@
 
 namespace stillkite {
 
-/// How the yaw came back: every kick of the stabilized flights with the time from its beginning
-/// until the yaw is within 3 degrees of the start's to stay there until the next kick, and the yaw
-/// in the figures of Table I. Null where nothing was kicked.
+/// Yaw disturbance response of the stabilized flights: settling time to 3 degrees of the initial
+/// yaw for every kick (until the next kick), and the yaw in the figures of table I. Null without
+/// kicks.
 [[nodiscard]] nlohmann::json orientation_summary(std::span<const TrialRecord> records);
 
-/// Its main figures, for a person; empty where it is null.
+/// Text table of its main figures; empty for null.
 [[nodiscard]] std::string orientation_table(const nlohmann::json& orientation);
 
 }  // namespace stillkite

@@ -11,16 +11,16 @@ OverlayVideo::OverlayVideo(std::filesystem::path file, const Camera& camera,
     : file_(std::move(file)), overlay_(camera, body_from_camera) {}
 
 void OverlayVideo::open(double frames_per_s) {
-  constexpr double kSlowest = 0.1;
-  constexpr double kFastest = 1000;
-  writer_.emplace(file_, overlay_.size(), std::clamp(frames_per_s, kSlowest, kFastest),
+  constexpr double kMinFrameRate = 0.1;
+  constexpr double kMaxFrameRate = 1000;
+  writer_.emplace(file_, overlay_.size(), std::clamp(frames_per_s, kMinFrameRate, kMaxFrameRate),
                   EncoderConfig{.preset = EncoderPreset::veryfast});
   writer_->write(first_);
 }
 
 void OverlayVideo::add(const Frame& frame, const NavigationEstimate& estimate,
-                       std::span<const WindowFlow> windows) {
-  const cv::Mat& image = overlay_.draw(frame.grey, estimate, windows);
+                       std::span<const WeightedFlow> flow_vectors) {
+  const cv::Mat& image = overlay_.draw(frame.grey, estimate, flow_vectors);
   if (first_.empty()) {
     first_ = image.clone();
     first_stamp_ = frame.stamp;

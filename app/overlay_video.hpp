@@ -9,19 +9,20 @@
 
 namespace stillkite {
 
-/// The file overlay.mp4, a drawn image a frame, at the rate of the first two frames.
+/// overlay.mp4: one annotated image per frame, at the rate of the first two frames.
 class OverlayVideo {
  public:
   OverlayVideo(std::filesystem::path file, const Camera& camera,
                const RigidTransform& body_from_camera);
 
   void add(const Frame& frame, const NavigationEstimate& estimate,
-           std::span<const WindowFlow> windows);
+           std::span<const WeightedFlow> flow_vectors);
 
-  /// The file is on the disk, and only its name is missing.
+  /// Flushes the file under a temporary name.
   void finish();
 
-  /// The file gets its name. A video of one frame lasts a second; without any there is none.
+  /// Renames the file to its final name. A video of one frame lasts one second; without frames no
+  /// file is written.
   void commit();
 
  private:
@@ -29,7 +30,7 @@ class OverlayVideo {
 
   std::filesystem::path file_;
   Overlay overlay_;
-  cv::Mat first_;  // until the rate is known
+  cv::Mat first_;  // stored until the frame rate is available
   Timestamp first_stamp_;
   std::optional<VideoWriter> writer_;
 };

@@ -7,11 +7,11 @@
 
 namespace stillkite {
 
-/// One line on stderr with the share done, the rate and the time left, redrawn a few times a
-/// second; silent where stderr is no terminal. The line is wiped when the bar goes.
+/// Progress line on stderr: share, rate and time left, redrawn five times per second. Prints
+/// nothing if stderr is not a terminal. The destructor erases the line.
 class ProgressBar {
  public:
-  /// `expected`: steps in all, where that is known.
+  /// `expected`: total number of steps, if available.
   ProgressBar(std::string label, std::optional<std::int64_t> expected);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
@@ -29,7 +29,7 @@ class ProgressBar {
   Clock::time_point last_drawn_{};
 };
 
-/// The line that the bar shows, without control characters.
+/// Text of the progress line, without control characters.
 [[nodiscard]] std::string progress_line(const std::string& label, std::int64_t done,
                                         std::optional<std::int64_t> expected, double elapsed_s);
 

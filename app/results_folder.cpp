@@ -21,24 +21,24 @@ void remove_results(const fs::path& folder, const std::vector<fs::path>& inputs)
   for (const char* name : kResults) {
     const fs::path file = folder / name;
     const auto is_file = [&](const fs::path& input) {
-      std::error_code none_there;
-      return fs::equivalent(file, input, none_there);
+      std::error_code ignored;
+      return fs::equivalent(file, input, ignored);
     };
-    std::error_code none_there;
-    if (!fs::is_directory(file, none_there) && std::ranges::none_of(inputs, is_file)) {
-      fs::remove(file, none_there);
+    std::error_code ignored;
+    if (!fs::is_directory(file, ignored) && std::ranges::none_of(inputs, is_file)) {
+      fs::remove(file, ignored);
     }
-    remove_parts_left_of(file);
+    remove_stale_parts(file);
   }
 }
 
-// The estimators of a comparison; none where the file is another.
-std::vector<std::string> compared_in(const fs::path& comparison_json) {
+// Names of the estimators of a comparison; empty for another file.
+std::vector<std::string> compared_estimators(const fs::path& comparison_json) {
   std::vector<std::string> names;
   const auto parsed = nlohmann::json::parse(std::ifstream(comparison_json), nullptr, false);
   if (!parsed.is_object() || !parsed.contains("estimators")) return names;
   for (const nlohmann::json& estimator : parsed["estimators"]) {
-    // a comparison of trials has no frames
+    // only a comparison of runs has frames
     if (!estimator.is_object() || !estimator.contains("frames")) continue;
     if (!estimator.contains("name") || !estimator["name"].is_string()) continue;
     const fs::path name = estimator["name"].get<std::string>();
@@ -50,11 +50,12 @@ std::vector<std::string> compared_in(const fs::path& comparison_json) {
 
 }  // namespace
 
-fs::path results_folder(const fs::path& asked_for, const fs::path& config) {
-  if (!asked_for.empty()) return asked_for;
+fs::path results_folder(const fs::path& requested, const fs::path& config) {
+  if (!requested.empty()) return requested;
   const fs::path flight = fs::absolute(config).lexically_normal().parent_path().filename();
-  const bool is_of_flight = config.filename() == "run.yaml" && !flight.empty();
-  return fs::path("out") / (is_of_flight ? "run-" + flight.string() : config.stem().string());
+  const bool is_simulated_flight = config.filename() == "run.yaml" && !flight.empty();
+  return fs::path("out") /
+         (is_simulated_flight ? "run-" + flight.string() : config.stem().string());
 }
 
 std::vector<fs::path> inputs_of_run(const fs::path& config_file, const RunConfig& config) {
@@ -64,11 +65,11 @@ std::vector<fs::path> inputs_of_run(const fs::path& config_file, const RunConfig
 }
 
 void remove_earlier_results(const fs::path& folder, const std::vector<fs::path>& inputs) {
-  std::error_code none_there;
-  for (const std::string& name : compared_in(folder / "comparison.json")) {
-    if (fs::is_symlink(folder / name, none_there)) continue;
+  std::error_code ignored;
+  for (const std::string& name : compared_estimators(folder / "comparison.json")) {
+    if (fs::is_symlink(folder / name, ignored)) continue;
     remove_results(folder / name, inputs);
-    fs::remove(folder / name, none_there);  // if it is empty
+    fs::remove(folder / name, ignored);  // only an empty folder
   }
   remove_results(folder, inputs);
 }

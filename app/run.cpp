@@ -37,26 +37,26 @@ void run(const RunArguments& arguments) {
   const fs::path out = results_folder(arguments.out, arguments.config);
   protect_inputs_of_run(out, arguments.config, config);
   estimator.write_to(out, source.expected());
-  tell_of_doubtful_inputs(std::span(&estimator, 1));
+  report_input_warnings(std::span(&estimator, 1));
 
   const Clock::time_point start = Clock::now();
-  Ending ending = step_through(source, std::span(&estimator, 1), "run");
+  RunOutcome outcome = step_through(source, std::span(&estimator, 1), "run");
   const double wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   const FolderLock lock(out);
-  finish_files(std::span(&estimator, 1), ending);
+  finish_files(std::span(&estimator, 1), outcome);
   const RunFacts facts{.frames_read = source.read(),
                        .frame_ms = estimator.frame_ms(),
                        .wall_s = wall_s,
                        .interrupted = interrupted(),
-                       .complaint = ending.complaint,
+                       .problem = outcome.problem,
                        .commands = estimator.commands()};
   remove_earlier_results(out, inputs_of_run(arguments.config, config));
   estimator.commit();
-  tell_of_ending(ending, std::span(&estimator, 1), out);
-  tell_of_contradictions(estimator);
+  report_outcome(outcome, std::span(&estimator, 1), out);
+  report_inconsistencies(estimator);
   const nlohmann::json summary =
       write_run_results(out, config, estimator.inputs(), estimator.estimates(), facts);
-  if (ending.failure) std::rethrow_exception(ending.failure);
+  if (outcome.failure) std::rethrow_exception(outcome.failure);
   if (arguments.json) {
     fmt::print("{}\n", json_text(summary));
   } else {
@@ -69,16 +69,16 @@ void run(const RunArguments& arguments) {
 
 void add_run(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("run", "Estimate the motion from a video or a data set of images");
+      app.add_subcommand("run", "Estimate the motion from a video or an image data set");
   const auto arguments = std::make_shared<RunArguments>();
   command->add_option("config", arguments->config, "YAML file; see: stillkite config")->required();
   add_overrides(*command, arguments->overrides);
   add_results_folder(*command, arguments->out);
-  command->add_flag("--json", arguments->json, "Print summary.json on stdout and nothing else");
+  command->add_flag("--json", arguments->json, "Print only summary.json on stdout");
   command->footer(
-      "Writes estimates.csv (one row a frame), trajectory.tum, summary.json and report.html;\n"
-      "with --set output.overlay=true overlay.mp4 too; with --set estimator.policy=reference,\n"
-      "best or fused commands.csv, what the controller would command.\n"
+      "Writes estimates.csv (one row per frame), trajectory.tum, summary.json and report.html;\n"
+      "with --set output.overlay=true also overlay.mp4; with --set estimator.policy=reference,\n"
+      "best or fused also commands.csv, the commands of the controller in shadow mode.\n"
       "Example: stillkite run flight.yaml --set source.path=flight.mp4 --out results");
   command->callback([arguments] { run(*arguments); });
 }

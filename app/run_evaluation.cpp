@@ -23,9 +23,9 @@ std::int64_t frames_with_truth(const FlightInputs& inputs,
 
 nlohmann::json run_evaluation(const FlightInputs& inputs,
                               std::span<const NavigationEstimate> estimates) {
-  if (frames_with_truth(inputs, estimates) < kFewestToJudge) return nullptr;
+  if (frames_with_truth(inputs, estimates) < kMinEvaluatedFrames) return nullptr;
   const EvaluationOptions options{.body_from_camera = inputs.body_from_camera};
-  Evaluation evaluation = evaluate(judged_motions(estimates), truth_of(inputs), options);
+  Evaluation evaluation = evaluate(evaluated_motions(estimates), truth_of(inputs), options);
   evaluation.reference =
       reference_error(estimates, inputs.truth, inputs.body_from_camera, options.tolerance_s);
   return evaluation_json(evaluation);
@@ -33,8 +33,8 @@ nlohmann::json run_evaluation(const FlightInputs& inputs,
 
 std::vector<FrameError> run_frame_errors(const FlightInputs& inputs,
                                          std::span<const NavigationEstimate> estimates) {
-  if (frames_with_truth(inputs, estimates) < kFewestToJudge) return {};
-  return frame_errors(judged_motions(estimates), truth_of(inputs),
+  if (frames_with_truth(inputs, estimates) < kMinEvaluatedFrames) return {};
+  return frame_errors(evaluated_motions(estimates), truth_of(inputs),
                       {.body_from_camera = inputs.body_from_camera});
 }
 

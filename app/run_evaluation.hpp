@@ -11,23 +11,23 @@
 
 namespace stillkite {
 
-/// So many frames with a truth, a path with one bend; with less nothing is judged.
-inline constexpr int kFewestToJudge = 3;
+/// Minimum number of frames with truth for an evaluation.
+inline constexpr int kMinEvaluatedFrames = 3;
 
-/// At which the truth has a pose.
+/// Number of estimates with a truth pose.
 [[nodiscard]] std::int64_t frames_with_truth(const FlightInputs& inputs,
                                              std::span<const NavigationEstimate> estimates);
 
-/// `evaluation` of summary.json: against the truth without any alignment; null where there is
-/// none, or too little.
+/// `evaluation` of summary.json: errors against the truth without alignment; null with fewer than
+/// kMinEvaluatedFrames truth poses.
 [[nodiscard]] nlohmann::json run_evaluation(const FlightInputs& inputs,
                                             std::span<const NavigationEstimate> estimates);
 
-/// One for each estimate; empty where there is no truth, or too little.
+/// Errors of each estimate; empty with fewer than kMinEvaluatedFrames truth poses.
 [[nodiscard]] std::vector<FrameError> run_frame_errors(
     const FlightInputs& inputs, std::span<const NavigationEstimate> estimates);
 
-/// The truth at each estimate; empty where there is none at all.
+/// Truth at each estimate; an empty vector without truth.
 [[nodiscard]] std::vector<std::optional<RigidTransform>> truth_at(
     const FlightInputs& inputs, std::span<const NavigationEstimate> estimates);
 

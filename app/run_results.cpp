@@ -14,12 +14,12 @@ namespace {
 
 using nlohmann::json;
 
-// "1.23 m", or "unknown".
+// "1.23 m" or "unknown".
 std::string figure(const json& value, const char* unit) {
   return value.is_number() ? fmt::format("{:.4g} {}", value.get<double>(), unit) : "unknown";
 }
 
-// " (3 lost, 1 frozen)" of the frames that measured nothing, or nothing.
+// " (3 lost, 1 frozen)" for frames without measurement, or "".
 std::string reasons(const json& verdicts) {
   std::string list;
   for (const auto& [verdict, name] : EnumNames<Verdict>::value) {
@@ -30,18 +30,18 @@ std::string reasons(const json& verdicts) {
   return list.empty() ? list : list + ')';
 }
 
-// Only the flow tells lengths before it knows metres: in initial heights.
-void print_end(const json& summary, const NavigationEstimate& last) {
+// Without metric scale only the flow has lengths, in initial heights.
+void print_final_position(const json& summary, const NavigationEstimate& last) {
   const bool is_metric = summary["scale"]["source"] != name_of(ScaleSource::none);
   if (!is_metric && last.source != EstimateSource::flow) {
-    fmt::print("at the end   no lengths are known (scale none)\n");
+    fmt::print("final        no position (scale none)\n");
     return;
   }
   const Eigen::Vector3d& position = last.world_from_body.translation;
   fmt::print(
-      "at the end   x {:.3f}, y {:.3f}, z {:.3f} {}{}\n", position.x(), position.y(), position.z(),
+      "final        x {:.3f}, y {:.3f}, z {:.3f} {}{}\n", position.x(), position.y(), position.z(),
       is_metric ? "m" : "initial heights",
-      is_measured(last.verdict) ? "" : fmt::format(" (carried on: {})", name_of(last.verdict)));
+      is_measured(last.verdict) ? "" : fmt::format(" (predicted: {})", name_of(last.verdict)));
 }
 
 }  // namespace
@@ -68,14 +68,14 @@ void print_run_results(const json& summary, const std::vector<NavigationEstimate
   const json& timing = summary["timing"];
   fmt::print("frames       {} read, {} used, {} rejected{}\n", frames["read"].dump(),
              frames["used"].dump(), frames["rejected"].dump(), reasons(summary["verdicts"]));
-  fmt::print("speed        {}, estimator {} a frame (median)\n",
+  fmt::print("speed        {}, estimator {} per frame (median)\n",
              figure(timing["frames_per_s"], "frames/s"),
              figure(timing["frame_ms"]["median"], "ms"));
   if (const json& commands = summary["commands"]; !commands.is_null()) {
-    fmt::print("commands     {} issued, {} held (in the shadow: nothing is flown)\n",
+    fmt::print("commands     {} issued, {} held (shadow mode: not executed)\n",
                commands["issued"].dump(), commands["held"].dump());
   }
-  if (!estimates.empty()) print_end(summary, estimates.back());
+  if (!estimates.empty()) print_final_position(summary, estimates.back());
   if (const json& errors = summary["evaluation"]; !errors.is_null()) {
     fmt::print("against truth: {} stamps, path {}\n", errors["matched"].dump(),
                figure(errors["path_length_m"], "m"));

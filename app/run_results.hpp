@@ -10,14 +10,14 @@
 
 namespace stillkite {
 
-/// What a run's frames amount to: its errors where there is truth and a scale to compare it in,
-/// summary.json and report.html in the folder. Gives the summary.
+/// Evaluates a run against its truth, if any, and writes summary.json and report.html. Returns the
+/// summary.
 nlohmann::json write_run_results(const std::filesystem::path& folder, const RunConfig& config,
                                  const FlightInputs& inputs,
                                  const std::vector<NavigationEstimate>& estimates,
                                  const RunFacts& facts);
 
-/// The summary's main figures, for a person.
+/// Prints the summary's main figures.
 void print_run_results(const nlohmann::json& summary,
                        const std::vector<NavigationEstimate>& estimates,
                        const std::filesystem::path& folder);

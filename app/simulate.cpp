@@ -22,7 +22,7 @@
 
 namespace stillkite {
 
-/// How the images are kept.
+/// Format of the simulated images.
 enum class ImageFormat { video, euroc };
 template <>
 struct EnumNames<ImageFormat> {
@@ -39,8 +39,8 @@ struct OutputConfig {
   EncoderConfig encoder{};
 
   static void fields(auto& self, auto&& field) {
-    field("format", self.format, "video: one H.264 file; euroc: PNG images in EuRoC's folders");
-    field("encoder", self.encoder, "of the video");
+    field("format", self.format, "video: one H.264 file; euroc: PNG images in EuRoC layout");
+    field("encoder", self.encoder, "encoder of the video");
   }
 };
 
@@ -50,7 +50,7 @@ struct SimulateConfig {
 
   static void fields(auto& self, auto&& field) {
     SimulationConfig::fields(self.simulation, field);
-    field("output", self.output, "the files");
+    field("output", self.output, "output files");
   }
 };
 
@@ -62,12 +62,12 @@ cv::Mat read_photograph(const SimulationConfig& config) {
   cv::Mat grey = cv::imread(name, cv::IMREAD_GRAYSCALE);
   if (grey.empty()) {
     throw InputError("ground.photograph: " + name +
-                     " is missing or no image; give a PNG or JPEG of a ground seen from above");
+                     " is missing or not an image; set a PNG or JPEG of the ground from above");
   }
   return grey;
 }
 
-// Where the images go: a sink, and what is to be done after the last one.
+// Sink of the images, and its completion after the last one.
 struct ImageOutput {
   FrameSink sink;
   std::function<void()> finish;
@@ -89,9 +89,9 @@ ImageOutput euroc_output(const fs::path& camera_folder) {
   const auto write = [list, camera_folder](const Frame& frame) {
     const std::string name = fmt::format("{:019}.png", frame.stamp.ns);
     const std::string file = (camera_folder / "data" / name).string();
-    // noise does not compress: more effort costs time and gains nothing
+    // noise does not compress at higher levels
     if (!cv::imwrite(file, frame.grey, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-      throw std::runtime_error(file + ": cannot be written; is the disk full?");
+      throw std::runtime_error(file + ": cannot be written; check the free disk space");
     }
     list->write(fmt::format("{},{}\n", frame.stamp.ns, name));
   };
@@ -101,19 +101,19 @@ ImageOutput euroc_output(const fs::path& camera_folder) {
 std::string run_yaml(ImageFormat format, double readout_s) {
   const bool video = format == ImageFormat::video;
   return fmt::format(
-      "# The simulated flight beside this file: stillkite run run.yaml\n"
+      "# Simulated flight in this folder: stillkite run run.yaml\n"
       "source:\n  path: {}\n{}"
       "truth:\n  path: {}\n"
       "initial:\n  from_truth: true\n{}"
-      "# Other sensors of the same flight, left out: {}imu0/data.csv (imu.path), range.csv "
-      "(height.path, source range)\n",
+      "# Unused sensors of this flight: {}imu0/data.csv (imu.path), range.csv (height.path, source "
+      "range)\n",
       video ? kVideoName : ".", video ? "calibration:\n  path: sensor.yaml\n" : "",
       video ? "truth.tum" : "mav0/state_groundtruth_estimate0",
       readout_s > 0 ? fmt::format("navigator:\n  readout_s: {}\n", readout_s) : "",
       video ? "" : "mav0/");
 }
 
-// An upper bound; noisy images compress to between a tenth (video) and two thirds (PNG).
+// Upper bound: noisy images compress to 1/10 (video) ... 2/3 (PNG).
 std::uintmax_t bytes_needed(const SimulateConfig& config, std::size_t frames) {
   const Camera camera = config.simulation.camera.lens();
   const std::uintmax_t grey = std::uintmax_t{frames} * camera.width_px * camera.height_px;
@@ -134,7 +134,7 @@ void simulate_flight(const SimulateConfig& config, const fs::path& out) {
   {
     const ImageOutput images = video ? video_output(config, top) : euroc_output(camera_folder);
     ProgressBar progress("simulate", static_cast<std::int64_t>(flight.truth.size()));
-    film_flight(simulation, photograph, [&](const Frame& frame) {
+    render_flight(simulation, photograph, [&](const Frame& frame) {
       if (interrupted()) throw Interrupted{};
       images.sink(frame);
       progress.step();
@@ -144,8 +144,7 @@ void simulate_flight(const SimulateConfig& config, const fs::path& out) {
   write_file(top / "simulation.yaml", print_config(config));
   write_file(top / "run.yaml", run_yaml(config.output.format, simulation.camera.readout_s));
   folder.commit();
-  fmt::print(stderr,
-             "stillkite: {} frames; see what the navigator makes of them: stillkite run {}\n",
+  fmt::print(stderr, "stillkite: {} frames; to estimate their motion: stillkite run {}\n",
              flight.truth.size(), (out / "run.yaml").string());
 }
 
@@ -164,7 +163,7 @@ void simulate(const SimulateArguments& arguments) {
   try {
     simulate_flight(config, arguments.out);
   } catch (const Interrupted&) {
-    fmt::print(stderr, "stillkite: interrupted; nothing is left in {}\n", arguments.out);
+    fmt::print(stderr, "stillkite: interrupted; no results in {}\n", arguments.out);
     throw;
   }
 }
@@ -172,16 +171,16 @@ void simulate(const SimulateArguments& arguments) {
 }  // namespace
 
 void add_simulate(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("simulate", "Film a flight over a known ground, with truth");
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Simulate the images and sensors of a flight, with ground truth");
   const auto arguments = std::make_shared<SimulateArguments>();
-  command->add_option("config", arguments->config,
-                      "YAML file; without it the flow paper's flight (stillkite simulate --print)");
+  command->add_option(
+      "config", arguments->config,
+      "YAML file (default: the flow paper's flight, see stillkite simulate --print)");
   add_overrides(*command, arguments->overrides);
-  command->add_option("--out", arguments->out, "folder that is made for the flight")
-      ->type_name("DIR");
+  command->add_option("--out", arguments->out, "New folder for the flight")->type_name("DIR");
   const auto print = std::make_shared<bool>(false);
-  command->add_flag("--print", *print, "print the configuration, every key explained, and stop");
+  command->add_flag("--print", *print, "Print the configuration with descriptions and exit");
   command->footer(
       "Start with: stillkite simulate --print > flight.yaml\n"
       "Example: stillkite simulate flight.yaml --set flight.height_m=50 --out flight");
@@ -189,7 +188,7 @@ void add_simulate(CLI::App& app) {
     if (*print) {
       fmt::print("{}", print_config(config_of(*arguments)));
     } else if (arguments->out.empty()) {
-      throw InputError("simulate: --out is missing; name the folder to make");
+      throw InputError("simulate: missing --out DIR, a new folder");
     } else {
       simulate(*arguments);
     }

@@ -11,7 +11,7 @@
 namespace stillkite {
 namespace {
 
-void film(const Frame& frame, std::vector<HoverImage>& images) {
+void append_image(const Frame& frame, std::vector<HoverImage>& images) {
   constexpr double kPeriod_s = 0.2;
   constexpr double kSlack_s = 1e-3;
   const double t_s = to_seconds(frame.stamp);
@@ -43,21 +43,21 @@ TrialFleet::TrialFleet(const HoverConfig& config, const HoverWorld& world,
 
 std::exception_ptr TrialFleet::fly(int jobs) {
   {
-    std::vector<std::jthread> crew;
-    crew.reserve(static_cast<std::size_t>(jobs));
-    for (int i = 0; i < jobs; ++i) crew.emplace_back([this] { fly_next_ones(); });
+    std::vector<std::jthread> threads;
+    threads.reserve(static_cast<std::size_t>(jobs));
+    for (int i = 0; i < jobs; ++i) threads.emplace_back([this] { fly_pending(); });
   }
-  forget_unfinished();
+  remove_unfinished();
   return failure_;
 }
 
-void TrialFleet::fly_next_ones() {
+void TrialFleet::fly_pending() {
   try {
     for (std::size_t n = next_++; n < order_.size() && !stopped_; n = next_++) {
       const std::size_t i = order_[n];
       records_[i] = fly_trial(config_, world_, trials_[i], [&](const Frame& frame, auto&&...) {
         if (stopped_ || interrupted()) throw Interrupted{};
-        if (is_filmed(i)) film(frame, images_[i]);
+        if (is_recorded(i)) append_image(frame, images_[i]);
       });
       const std::scoped_lock lock(mutex_);
       progress_.step();
@@ -70,7 +70,7 @@ void TrialFleet::fly_next_ones() {
   }
 }
 
-void TrialFleet::forget_unfinished() {
+void TrialFleet::remove_unfinished() {
   for (std::size_t i = records_.size(); i-- > 0;) {
     if (!records_[i].samples.empty()) continue;
     records_.erase(records_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -78,15 +78,15 @@ void TrialFleet::forget_unfinished() {
   }
 }
 
-// The first along its axis that an estimator looks at.
-bool TrialFleet::is_filmed(std::size_t i) const {
-  const auto is_looked_at = [&](const Trial& trial) {
+// True for the first trial with an estimator along its axis.
+bool TrialFleet::is_recorded(std::size_t i) const {
+  const auto is_estimated = [&](const Trial& trial) {
     return trial.stabilized || config_.trials.estimate_off;
   };
-  return is_looked_at(trials_[i]) &&
+  return is_estimated(trials_[i]) &&
          std::none_of(trials_.begin(), trials_.begin() + static_cast<std::ptrdiff_t>(i),
                       [&](const Trial& before) {
-                        return is_looked_at(before) && before.axis == trials_[i].axis;
+                        return is_estimated(before) && before.axis == trials_[i].axis;
                       });
 }
 

@@ -12,30 +12,30 @@
 
 namespace stillkite {
 
-/// Trials flown side by side, one a thread; the records are in the trials' order.
+/// Flies trials in parallel, one per thread. Records are in the order of the trials.
 class TrialFleet {
  public:
-  /// `config` and `world` must outlive it.
+  /// `config` and `world` must outlive the object.
   TrialFleet(const HoverConfig& config, const HoverWorld& world, std::vector<Trial> trials,
              const std::string& label);
 
-  /// Until all are flown, Ctrl-C, or a trial throws, and what it throws is returned.
+  /// Flies until all are done, Ctrl-C, or an exception in a trial, which is returned.
   [[nodiscard]] std::exception_ptr fly(int jobs);
 
-  /// Those that were flown to their end.
+  /// Completed trials.
   [[nodiscard]] const std::vector<TrialRecord>& records() const { return records_; }
-  /// Of what the camera saw, a few a second, of one trial an axis that an estimator looks at.
+  /// Thumbnails at 5 Hz of the first trial with an estimator along each axis.
   [[nodiscard]] const std::vector<std::vector<HoverImage>>& images() const { return images_; }
 
  private:
-  void fly_next_ones();
-  void forget_unfinished();
-  [[nodiscard]] bool is_filmed(std::size_t i) const;
+  void fly_pending();
+  void remove_unfinished();
+  [[nodiscard]] bool is_recorded(std::size_t i) const;
 
   const HoverConfig& config_;
   const HoverWorld& world_;
   std::vector<Trial> trials_;
-  std::vector<std::size_t> order_;  // the longest first: none is left alone at the end
+  std::vector<std::size_t> order_;  // longest first, for an even load at the end
   std::vector<TrialRecord> records_;
   std::vector<std::vector<HoverImage>> images_;
   std::atomic<std::size_t> next_ = 0;

@@ -10,12 +10,12 @@
 
 namespace stillkite {
 
-/// {mean_UNIT, std_UNIT, max_UNIT} of signed values; null where there are none.
+/// {mean_UNIT, std_UNIT, max_UNIT} of signed values; null without values.
 [[nodiscard]] nlohmann::json statistics_json(const std::vector<double>& values,
                                              const std::string& unit);
 
-/// The same of all samples of the flights with or without stabilization, along x, y, z and any
-/// axis; `values_of` gives a flight's.
+/// These statistics over all samples of the flights with or without stabilization, along x, y, z
+/// and all axes; `values_of` returns the values of a flight.
 [[nodiscard]] nlohmann::json statistics_by_axis(
     std::span<const TrialRecord> records, bool stabilized, const std::string& unit,
     const std::function<std::vector<double>(const TrialRecord&)>& values_of);

@@ -11,7 +11,7 @@
 namespace stillkite {
 namespace {
 
-constexpr std::size_t kLongestName = 40;
+constexpr std::size_t kMaxNameLength = 40;
 constexpr std::array<std::string_view, 3> kSharedSections{"source", "truth", "output"};
 
 std::string trimmed(std::string_view text) {
@@ -20,7 +20,7 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(from, text.find_last_not_of(" \t") - from + 1));
 }
 
-// At commas outside brackets.
+// Splits at commas outside brackets.
 std::vector<std::string> split_list(std::string_view list) {
   std::vector<std::string> items;
   int depth = 0;
@@ -51,17 +51,17 @@ void check_name(const std::string& name, bool has_keys) {
   const bool is_word = std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_';
   });
-  if (name.empty() || !is_word || name.size() > kLongestName) {
-    reject_name(name, fmt::format("cannot be a name, which also names a folder: use 1 to {} "
+  if (name.empty() || !is_word || name.size() > kMaxNameLength) {
+    reject_name(name, fmt::format("is not a valid name (it also names a folder); use 1 to {} "
                                   "letters, digits, '-' and '_'",
-                                  kLongestName));
+                                  kMaxNameLength));
   }
   if (has_keys || is_policy(name)) return;
   const std::string_view near = nearest_name(name, kPolicies);
-  const std::string guess = near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near);
-  reject_name(name, fmt::format("is not known{}; known are {}, and NAME:key=value,... for a "
-                                "configuration of your own",
-                                guess, fmt::join(kPolicies, ", ")));
+  const std::string suggestion = near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near);
+  reject_name(name, fmt::format("is not a policy{}; use {}, or NAME:key=value,... for a custom "
+                                "configuration",
+                                suggestion, fmt::join(kPolicies, ", ")));
 }
 
 void add_variant_name(std::vector<VariantName>& variants, const std::string& name, bool has_keys) {
@@ -69,7 +69,7 @@ void add_variant_name(std::vector<VariantName>& variants, const std::string& nam
   const bool is_taken = std::any_of(variants.begin(), variants.end(),
                                     [&](const VariantName& v) { return v.name == name; });
   if (is_taken) {
-    reject_name(name, fmt::format("is given twice; call the other one NAME:{}key=value",
+    reject_name(name, fmt::format("is a duplicate name; rename one: NAME:{}key=value",
                                   is_policy(name) ? "estimator.policy=" + name + "," : ""));
   }
   variants.push_back({.name = name, .overrides = {}});
@@ -96,7 +96,7 @@ std::vector<VariantName> parse_variants(const std::optional<std::string>& list) 
       if (colon == std::string::npos) continue;
       assignment = trimmed(item.substr(colon + 1));
     } else if (variants.empty()) {
-      reject_name(item, "comes before any name; write NAME:key=value");
+      reject_name(item, "precedes any name; write NAME:key=value");
     }
     if (equals == std::string::npos) {
       reject_name(item, "has no key=value after its colon; write NAME:key=value");
@@ -113,15 +113,14 @@ void require_shared(const std::vector<VariantName>& variants,
       const std::string section = trimmed(key.substr(0, key.find_first_of(".=")));
       if (std::find(sections.begin(), sections.end(), section) == sections.end()) continue;
       reject_name(variant.name,
-                  fmt::format("sets {}, but {} must be the same for all; use --set", key, section));
+                  fmt::format("sets {}, but {} must be common to all; use --set", key, section));
     }
   }
 }
 
 void check_policy(const std::string& name, Policy policy) {
   if (!is_policy(name) || name_of(policy) == name) return;
-  reject_name(name,
-              fmt::format("is set to estimator.policy={}; give it another name", name_of(policy)));
+  reject_name(name, fmt::format("has estimator.policy={}; use another name", name_of(policy)));
 }
 
 std::vector<Variant> load_variants(const std::filesystem::path& file,

@@ -11,31 +11,30 @@
 
 namespace stillkite {
 
-/// One of several configurations that are compared on the same input.
+/// One of several configurations to compare on the same input.
 struct VariantName {
-  std::string name;                    ///< letters, digits, '-' and '_'; no two are equal
-  std::vector<std::string> overrides;  ///< key=value, its policy's among them
+  std::string name;                    ///< letters, digits, '-' and '_'; unique
+  std::vector<std::string> overrides;  ///< key=value, including its policy
 };
 
-/// Reads a list such as
+/// Parses a list such as
 ///
 ///     flow,reference,last:estimator.policy=flow,navigator.keyframes.enabled=false
 ///
-/// A name is a policy, or followed by a colon and its own keys; what has an equals sign belongs to
-/// the name before it. A comma within brackets divides nothing. A name that is a policy sets
-/// estimator.policy, any other keeps the configuration's. Nothing: every policy that there is.
-/// Throws InputError on a name that is unknown, given twice or cannot be a folder's, and on an
-/// empty list.
+/// A name is a policy, or is followed by a colon and its keys. An item with an equals sign belongs
+/// to the name before it. Commas within brackets do not separate. A name that is a policy sets
+/// estimator.policy; any other keeps the configuration's. nullopt: all policies. Throws InputError
+/// on an unknown, duplicate or invalid name and on an empty list.
 [[nodiscard]] std::vector<VariantName> parse_variants(const std::optional<std::string>& list);
 
-/// Throws InputError where a variant sets a key of these sections, which must not differ.
+/// Throws InputError if a variant sets a key of these sections, which must be common to all.
 void require_shared(const std::vector<VariantName>& variants,
                     std::span<const std::string_view> sections);
 
-/// Throws InputError where a variant's name is a policy's, but the policy set by its keys another.
+/// Throws InputError if a variant is named after a policy but its keys set another one.
 void check_policy(const std::string& name, Policy policy);
 
-/// A name with its configuration.
+/// Named configuration.
 template <typename Config>
 struct VariantOf {
   std::string name;
@@ -44,13 +43,13 @@ struct VariantOf {
 };
 using Variant = VariantOf<RunConfig>;
 
-/// For each name what `load` makes of all keys, its own last. Throws InputError as `load`, with the
-/// name where the fault is that variant's.
+/// Loads one configuration per name, from the common overrides and then its own. Throws InputError
+/// as `load`, with the variant's name if its own keys cause the error.
 template <typename Config, typename Load>
 [[nodiscard]] std::vector<VariantOf<Config>> load_each(const std::vector<VariantName>& names,
                                                        const std::vector<std::string>& overrides,
                                                        Load&& load) {
-  (void)load(overrides);  // what is wrong for all is not one variant's fault
+  (void)load(overrides);  // reports errors of the common keys without a variant's name
   std::vector<VariantOf<Config>> variants;
   variants.reserve(names.size());
   for (const VariantName& name : names) {
@@ -66,9 +65,8 @@ template <typename Config, typename Load>
   return variants;
 }
 
-/// The configuration of a file under the command line's key=value's, once for each name, its own
-/// keys last. Images, truth and output are the same for all. Throws InputError as
-/// load_run_config.
+/// Loads the run configuration of a file once per name: command-line overrides, then the variant's
+/// keys. Source, truth and output are common to all. Throws InputError as load_run_config.
 [[nodiscard]] std::vector<Variant> load_variants(const std::filesystem::path& file,
                                                  const std::vector<std::string>& overrides,
                                                  const std::vector<VariantName>& names);

@@ -5,9 +5,12 @@
 
 namespace stillkite::bench {
 
-/// Cramer-Rao bound of the twist (velocity, angular rate) from one pair of images: inverse of
-/// the sum of (J^T grad)(J^T grad)^T / (2 sigma^2) over every pixel, J the motion field times the
-/// interval, grad that of the noise-free previous image; the noise of both frames counts.
+/// Cramer-Rao bound of the twist (velocity, angular rate) from one image pair:
+///
+///     (sum over pixels (J^T grad)(J^T grad)^T / (2 sigma^2))^-1,
+///
+/// J the motion field times the interval, grad that of the noise-free previous image, sigma the
+/// noise of each frame in grey values.
 [[nodiscard]] Matrix6d cramer_rao_bound(const BenchScene& scene, double noise_grey);
 
 }  // namespace stillkite::bench

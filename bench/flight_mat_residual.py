@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What is left of the error on flight_mat, split into truth, shutter, calibration and start.
+"""Error budget on flight_mat: truth, shutter, calibration and first climb.
 
-Runs configs/flight_mat.yaml with one thing changed at a time and prints the median absolute
-errors and the correlations; then the height of the mat that flow and true speeds agree on.
+Runs configs/flight_mat.yaml with one change at a time and prints median absolute errors and
+correlations. Then estimates the height of the mat from optical flow and true velocities.
 STILLKITE_DATA names the folder with flight_mat.
 """
 
@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COMMAND = ROOT / "build/release/app/stillkite"
 AXES = ("vx", "vy", "vz", "wx", "wy", "wz")
 FIRST_CLIMB = 200  # frames
-TRUTH_WINDOW = 5  # frames, the 80 ms over which the truth's motion capture was fitted
+TRUTH_WINDOW = 5  # frames: 80 ms, fitting window of the motion capture
 
 
 def read_rows(path):
@@ -29,7 +29,7 @@ def read_rows(path):
 
 
 def run(out, *changes):
-    """estimates.csv as dictionaries, one a frame."""
+    """Rows of estimates.csv as dictionaries, one per frame."""
     arguments = [COMMAND, "run", ROOT / "configs/flight_mat.yaml", "--out", out]
     for change in changes:
         arguments += ["--set", change]
@@ -41,7 +41,7 @@ def run(out, *changes):
 
 
 def smaller_focal_length(data, factor):
-    """The data set's calibration as --set arguments, its focal length changed."""
+    """Calibration of the data set as --set arguments, focal length times `factor`."""
     text = (data / "mav0/cam0/sensor.yaml").read_text()
 
     def numbers(key):
@@ -61,22 +61,22 @@ def column(rows, axis):
 
 
 def averaged(rows, window):
-    """Each twist the mean of `window` frames around it; what a centred fit of a line gives."""
+    """Centred moving average of the twists over `window` frames (equals a centred line fit)."""
     rows = [dict(row) for row in rows]
     for axis in AXES:
         values = column(rows, axis)
         unit = "m/s" if axis[0] == "v" else "rad/s"
         for i, row in enumerate(rows):
-            around = values[max(0, i - window // 2):i + window // 2 + 1]
-            row[f"{axis}_camera [{unit}]"] = statistics.fmean(around)
+            neighbours = values[max(0, i - window // 2):i + window // 2 + 1]
+            row[f"{axis}_camera [{unit}]"] = statistics.fmean(neighbours)
     return rows
 
 
 def pairs_of(rows, truth, axis, first_frame):
-    """(estimate, truth) of the frames that have both."""
+    """(estimate, truth) of the frames with both."""
     stamps = [int(row["#timestamp [ns]"]) for row in rows]
-    both = [(e, truth[t][AXES.index(axis)]) for e, t in zip(column(rows, axis), stamps) if t in truth]
-    return [(e, t) for e, t in both[first_frame:] if math.isfinite(e)]
+    pairs = [(e, truth[t][AXES.index(axis)]) for e, t in zip(column(rows, axis), stamps) if t in truth]
+    return [(e, t) for e, t in pairs[first_frame:] if math.isfinite(e)]
 
 
 def print_row(name, rows, truth, first_frame=0):
@@ -91,9 +91,9 @@ def print_row(name, rows, truth, first_frame=0):
 
 
 def mat_height(rows, truth, poses, axis):
-    """c and gain of true speed = gain * (z - c) * rate, the rate in heights/s from the flow alone.
+    """c and gain of true velocity = gain * (z - c) * rate, rate in heights/s from optical flow.
 
-    Linear in gain and gain * c; reweighted least squares, for some frames are far off."""
+    Linear in gain and gain * c; iteratively reweighted least squares against outliers."""
     samples = []
     for row, speed in zip(rows, column(rows, axis)):
         stamp = int(row["#timestamp [ns]"])
@@ -115,10 +115,10 @@ def mat_height(rows, truth, poses, axis):
     return offset / gain, gain
 
 
-def mat_height_at_start(rows, poses, frames=range(20, 101)):
-    """c under the first frame: it has climbed by z - z_0 where flow says ratio times its height.
+def initial_mat_height(rows, poses, frames=range(20, 101)):
+    """c below the first frame, from the climb z - z_0 and the height ratio measured by optical flow.
 
-    The ratio of two heights over a plane is the homography's determinant, whatever its normal."""
+    The height ratio over a plane is the determinant of the homography, independent of the normal."""
     stamps = [int(row["#timestamp [ns]"]) for row in rows]
     heights = [float(row["z [m]"]) for row in rows]
     z_0 = poses[stamps[0]]
@@ -130,7 +130,7 @@ def main():
     if len(sys.argv) > 1:
         sys.exit(__doc__.strip())
     if "STILLKITE_DATA" not in os.environ:
-        sys.exit("flight_mat_residual: STILLKITE_DATA is not set; it names the folder with flight_mat")
+        sys.exit("flight_mat_residual: STILLKITE_DATA is not set; set it to the folder with flight_mat")
     data = pathlib.Path(os.environ["STILLKITE_DATA"]) / "flight_mat"
     truth = {int(r[0]): [float(v) for v in r[1:7]] for r in read_rows(data / "velocity.csv")}
     poses = {int(r[0]): float(r[3])
@@ -140,18 +140,18 @@ def main():
         out = pathlib.Path(folder) / "run"
         configured = run(out)
         print_row("as configured", configured, truth)
-        print_row("  frames 200 on, after the first climb", configured, truth, FIRST_CLIMB)
-        print_row("truth: estimates averaged over 80 ms as it is", averaged(configured, TRUTH_WINDOW), truth)
-        print_row("truth: the mat at its z = 0", run(out, "truth.ground_z_m=0"), truth)
-        print_row("images: no rolling shutter", run(out, "navigator.readout_s=0"), truth)
+        print_row("  from frame 200, after the first climb", configured, truth, FIRST_CLIMB)
+        print_row("truth: estimates averaged over 80 ms", averaged(configured, TRUTH_WINDOW), truth)
+        print_row("truth: mat at z = 0", run(out, "truth.ground_z_m=0"), truth)
+        print_row("images: global shutter", run(out, "navigator.readout_s=0"), truth)
         for factor in (0.97, 1.03):
             changed = run(out, *smaller_focal_length(data, factor))
             print_row(f"calibration: focal length times {factor}", changed, truth)
-    print("\nmat over the truth's z = 0, from true speed = gain (z - c) x rate")
+    print("\nheight c of the mat over the truth's z = 0, from true velocity = gain (z - c) x rate")
     for axis in AXES[:3]:
         height, gain = mat_height(configured, truth, poses, axis)
         print(f"  {axis}: c = {1000 * height:.0f} mm, gain {gain:.3f}")
-    print(f"  under the start, by the first climb: {1000 * mat_height_at_start(configured, poses):.0f} mm")
+    print(f"  at the initial position, from the first climb: {1000 * initial_mat_height(configured, poses):.0f} mm")
 
 
 if __name__ == "__main__":

@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
-"""Films the flow paper's flight over several grounds and seeds, navigates it, prints the errors.
+"""Navigation errors on the flow paper's flight, simulated over several grounds and seeds.
 
-One row a trial: median over the seeds and grounds, the worst in brackets. What is already in the
-folder of results is not made again, so that an interrupted call goes on where it was.
+One row per trial: median over seeds and grounds, worst in brackets. Results that already exist in the
+output folder are reused.
 
-  clean        the flight from its true start state
-  tilt         the same images, the start's roll wrong by 1 deg
-  paper        the same images, the paper's plain mode (configs/paper.yaml)
-  relief       hills of 5 m
-  disturbed    exposure rising by 30 %, flicker, a vehicle on 4 % of the image
+  clean        true initial state
+  tilt         same images, initial roll error of 1 deg
+  paper        same images, paper mode (configs/paper.yaml)
+  relief       terrain relief of 5 m
+  disturbed    exposure ramp of 30 %, flicker, a vehicle on 4 % of the image
 
-What a mode buys, one switched off at a time:
+Ablations:
 
-  last-frame   clean, aligned to the last frame instead of a keyframe
-  unlevelled   tilt, roll and pitch not corrected by the ground's normal
-  first-order  clean, windows shifted only
-  plain        disturbed, every window with the same weight
+  last-frame   clean, aligned to the previous frame instead of a keyframe
+  unlevelled   tilt, without correction of roll and pitch by the plane normal
+  first-order  clean, tiles shifted without warp
+  plain        disturbed, uniform tile weights
 """
 
 import argparse
@@ -43,24 +43,24 @@ TRIALS = {
     "first-order": ("simulate_paper", "flat", ["navigator.alignment.exact_warp=false"]),
     "plain": ("simulate_disturbed", "disturbed", ["navigator.alignment.solver.robust=false"]),
 }
-WRONG_START = ("tilt", "unlevelled")
+INITIAL_ROLL_ERROR = ("tilt", "unlevelled")
 
-# what of a trial is printed: heading, unit, number from the trial's results
+# printed columns: heading, unit, value of a trial's results
 COLUMNS = [
     ("position RMS", "m", lambda r: r["evaluation"]["position_rmse_m"]),
     ("end error", "% of path", lambda r: r["evaluation"]["drift_percent"]),
-    ("end error", "% of height", lambda r: 100 * r["end_error_m"] / r["start_height_m"]),
+    ("end error", "% of height", lambda r: 100 * r["end_error_m"] / r["initial_height_m"]),
     ("tilt RMSE", "deg", lambda r: math.degrees(r["evaluation"]["tilt_rmse_rad"])),
-    ("tilt at the end", "deg", lambda r: math.degrees(r["end_tilt_rad"])),
+    ("end tilt error", "deg", lambda r: math.degrees(r["end_tilt_rad"])),
     ("velocity RMSE", "m/s, worst axis", lambda r: max(r["evaluation"]["velocity_rmse_m_s"])),
-    ("frames refused", "", lambda r: r["frames"]["rejected"]),
+    ("frames rejected", "", lambda r: r["frames"]["rejected"]),
 ]
 
 printing = threading.Lock()
 
 
 def stillkite(command, *arguments):
-    """Runs the command; its answer, or an error that ends this program."""
+    """Standard output of the command; RuntimeError if it fails."""
     done = subprocess.run([str(command), *map(str, arguments)], capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"stillkite {arguments[0]} failed: {done.stderr.strip()}")
@@ -74,7 +74,7 @@ def tum_ends(path):
 
 
 def up_in_body(quaternion):
-    """The world's z axis in the body; it tells roll and pitch."""
+    """World z axis in the body frame (roll and pitch)."""
     x, y, z, w = quaternion
     return (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
 
@@ -85,18 +85,18 @@ def angle_between(a, b):
     return math.atan2(cross, sum(p * q for p, q in zip(a, b)))
 
 
-def start_with_wrong_roll(truth, wrong_deg):
-    """The first true pose as --set arguments, its roll off."""
+def initial_pose_with_roll_error(truth, error_deg):
+    """First true pose with a roll error, as --set arguments."""
     position, (x, y, z, w) = truth[0]
     roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = math.asin(2 * (w * y - z * x))
     yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     keys = {"from_truth": "false", "height_m": position[2], "yaw_deg": math.degrees(yaw),
-            "pitch_deg": math.degrees(pitch), "roll_deg": math.degrees(roll) + wrong_deg}
+            "pitch_deg": math.degrees(pitch), "roll_deg": math.degrees(roll) + error_deg}
     return [word for key, value in keys.items() for word in ("--set", f"initial.{key}={value}")]
 
 
-def film(options, config, folder, seed, ground):
+def simulate(options, config, folder, seed, ground):
     if (folder / "run.yaml").exists():
         return
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -114,41 +114,41 @@ def navigate(options, trial, flight, results):
                 arguments += ["--set", f"{key}.path={flight / name}"]
         else:
             arguments = [flight / "run.yaml"]
-        if trial in WRONG_START:
-            arguments += start_with_wrong_roll(truth, 1)
+        if trial in INITIAL_ROLL_ERROR:
+            arguments += initial_pose_with_roll_error(truth, 1)
         arguments += [word for key in TRIALS[trial][2] for word in ("--set", key)]
         stillkite(options.command, "run", *arguments, "--out", results)
-    answer = json.loads((results / "summary.json").read_text())
+    result = json.loads((results / "summary.json").read_text())
     end = tum_ends(results / "trajectory.tum")[1]
-    answer["end_error_m"] = math.dist(end[0], truth[1][0])
-    answer["end_tilt_rad"] = angle_between(up_in_body(end[1]), up_in_body(truth[1][1]))
-    answer["start_height_m"] = truth[0][0][2]
-    return answer
+    result["end_error_m"] = math.dist(end[0], truth[1][0])
+    result["end_tilt_rad"] = angle_between(up_in_body(end[1]), up_in_body(truth[1][1]))
+    result["initial_height_m"] = truth[0][0][2]
+    return result
 
 
 def fly(options, images, seed, ground):
-    """One film and all trials that use it."""
+    """Simulates one flight and runs all trials on it."""
     name = "own" if ground is None else ground.stem
     flight = options.out / "flights" / f"{images}-{name}-{seed}"
     trials = [t for t in options.trials if TRIALS[t][1] == images]
-    film(options, TRIALS[trials[0]][0], flight, seed, ground)
-    answers = []
+    simulate(options, TRIALS[trials[0]][0], flight, seed, ground)
+    all_results = []
     for trial in trials:
-        answer = navigate(options, trial, flight, options.out / options.label / f"{trial}-{name}-{seed}")
-        values = "  ".join(f"{column[2](answer):.4g}" for column in COLUMNS)
+        result = navigate(options, trial, flight, options.out / options.label / f"{trial}-{name}-{seed}")
+        values = "  ".join(f"{column[2](result):.4g}" for column in COLUMNS)
         with printing:
             print(f"  {trial:12} {name:18} seed {seed:<4} {values}", file=sys.stderr, flush=True)
-        answers.append((trial, name, answer))
-    return answers
+        all_results.append((trial, name, result))
+    return all_results
 
 
-def print_table(answers):
+def print_table(all_results):
     print("| trial | ground | flights | " + " | ".join(f"{h}, {u}".strip(", ") for h, u, _ in COLUMNS) + " |")
     print("|---" * (3 + len(COLUMNS)) + "|")
     for trial in TRIALS:
-        grounds = sorted({ground for t, ground, _ in answers if t == trial}, key=lambda g: (g != "own", g))
+        grounds = sorted({ground for t, ground, _ in all_results if t == trial}, key=lambda g: (g != "own", g))
         for chosen in ([[g] for g in grounds] + ([grounds] if len(grounds) > 1 else [])):
-            rows = [answer for t, ground, answer in answers if t == trial and ground in chosen]
+            rows = [result for t, ground, result in all_results if t == trial and ground in chosen]
             cells = []
             for _, _, value in COLUMNS:
                 values = [value(row) for row in rows]
@@ -160,31 +160,31 @@ def parse(arguments):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--command", type=pathlib.Path, default=ROOT / "build/release/app/stillkite",
-                        help="the program (default: build/release/app/stillkite)")
+                        help="stillkite executable (default: build/release/app/stillkite)")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/trials",
-                        help="folder of flights and results (default: out/trials); 0.2 GB a flight")
-    parser.add_argument("--label", default="results", help="folder in it for this program's results")
+                        help="folder of flights and results (default: out/trials); 0.2 GB per flight")
+    parser.add_argument("--label", default="results", help="subfolder of the results, one per executable")
     parser.add_argument("--seeds", type=int, nargs="+", default=[11, 12, 13, 14, 15],
-                        help="1 to 10 were looked at while the navigator was tuned (default: 11 to 15)")
+                        help="seeds; 1 to 10 were used for tuning (default: 11 to 15)")
     parser.add_argument("--photographs", type=pathlib.Path, nargs="*", default=[],
-                        help="grounds beside our own: images seen from above")
+                        help="additional ground textures: aerial images")
     parser.add_argument("--trials", nargs="+", choices=TRIALS, default=list(TRIALS), metavar="TRIAL",
-                        help=f"of {', '.join(TRIALS)} (default: all)")
-    parser.add_argument("--duration", type=float, default=150, help="of a flight, s (default: 150)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="flights at a time")
+                        help=f"{', '.join(TRIALS)} (default: all)")
+    parser.add_argument("--duration", type=float, default=150, help="duration of a flight, s (default: 150)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="parallel flights")
     return parser.parse_args(arguments)
 
 
 def main():
     options = parse(sys.argv[1:])
-    films = list(dict.fromkeys(TRIALS[trial][1] for trial in options.trials))
-    tasks = [(images, seed, ground) for images in films for seed in options.seeds
+    image_sets = list(dict.fromkeys(TRIALS[trial][1] for trial in options.trials))
+    tasks = [(images, seed, ground) for images in image_sets for seed in options.seeds
              for ground in [None, *options.photographs]]
-    answers = []
+    all_results = []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         for done in concurrent.futures.as_completed([pool.submit(fly, options, *t) for t in tasks]):
-            answers += done.result()
-    print_table(answers)
+            all_results += done.result()
+    print_table(all_results)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// Flow of a plane: x' ~ K (dR + t n'/h) K^-1 x.
+// Flow of a plane: x' ~ K (R + t n^T / h) K^-1 x.
 cv::Mat plane_flow(const BenchScene& scene) {
   const RigidTransform current_from_previous =
       scene.world_from_current.inverse() * scene.world_from_previous;
@@ -52,22 +52,22 @@ cv::Mat read_grey(const fs::path& file) {
   return image;
 }
 
-// Middlebury's .flo: 202021.25, width, height, then x and y of each vector, |.| > 1e9 unknown.
+// Middlebury .flo: 202021.25, width, height, then x and y of each vector; |.| > 1e9: unknown.
 cv::Mat read_flo(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   float magic = 0;
   std::array<std::int32_t, 2> size{};
   stream.read(reinterpret_cast<char*>(&magic), sizeof(magic));
   stream.read(reinterpret_cast<char*>(size.data()), sizeof(size));
-  constexpr std::int32_t kLargest = 1 << 14;
-  if (!stream || magic != 202021.25F || size[0] < 1 || size[1] < 1 || size[0] > kLargest ||
-      size[1] > kLargest) {
+  constexpr std::int32_t kMaxSize_px = 1 << 14;
+  if (!stream || magic != 202021.25F || size[0] < 1 || size[1] < 1 || size[0] > kMaxSize_px ||
+      size[1] > kMaxSize_px) {
     throw InputError(fmt::format("{}: not a .flo file", file.string()));
   }
   cv::Mat flow(size[1], size[0], CV_32FC2);
   const std::size_t bytes = flow.total() * flow.elemSize();
   stream.read(flow.ptr<char>(), static_cast<std::streamsize>(bytes));
-  if (!stream) throw InputError(fmt::format("{}: ends too early", file.string()));
+  if (!stream) throw InputError(fmt::format("{}: truncated .flo file", file.string()));
   std::for_each(flow.begin<cv::Vec2f>(), flow.end<cv::Vec2f>(), [](cv::Vec2f& vector) {
     if (std::max(std::abs(vector[0]), std::abs(vector[1])) > 1e9F) vector = {kUnknown, kUnknown};
   });

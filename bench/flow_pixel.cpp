@@ -1,5 +1,5 @@
-// End-point error and time of the flows that give one vector a pixel, beside pyramidal
-// Lucas-Kanade on a grid. Methods take turns, so that a busy machine is busy for all of them.
+// End-point error and run time of dense optical flow methods, compared with pyramidal Lucas-Kanade
+// on a grid. Methods run interleaved: other load of the machine affects all of them.
 
 #include <fmt/format.h>
 #include <hwy/highway.h>
@@ -40,7 +40,7 @@ double quantile(std::vector<float>& values, double part) {
   return *at;
 }
 
-// Over every vector whose truth is known, a lost one of the grid too.
+// Over all vectors with a available true flow, including lost grid points.
 Error end_point_error(const FlowField& field, const cv::Mat& truth_px) {
   std::vector<float> errors;
   const int half = field.stride_px / 2;
@@ -48,8 +48,8 @@ Error end_point_error(const FlowField& field, const cv::Mat& truth_px) {
     for (int j = 0; j < field.flow_px.cols; ++j) {
       const auto& truth =
           truth_px.at<cv::Vec2f>(field.stride_px * i + half, field.stride_px * j + half);
-      const cv::Vec2f off = field.flow_px.at<cv::Vec2f>(i, j) - truth;
-      const float error = std::hypot(off[0], off[1]);
+      const cv::Vec2f difference = field.flow_px.at<cv::Vec2f>(i, j) - truth;
+      const float error = std::hypot(difference[0], difference[1]);
       if (std::isfinite(error)) errors.push_back(error);
     }
   }
@@ -82,11 +82,11 @@ void compare_on(const FlowPair& pair, const std::vector<Method>& methods, int re
   std::vector<std::vector<float>> wall_ms(methods.size());
   std::vector<std::vector<float>> processor_ms(methods.size());
   std::vector<Error> errors(methods.size());
-  // Errors come from a first turn that is not timed: it allocates what the others keep.
+  // Errors from an untimed first run, which also allocates the buffers.
   for (std::size_t m = 0; m < methods.size(); ++m) {
     errors[m] = end_point_error(methods[m].run(pair), pair.truth_px);
   }
-  for (int turn = 0; turn < repeats; ++turn) {
+  for (int round = 0; round < repeats; ++round) {
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const auto start = Clock::now();
       const std::clock_t processor_start = std::clock();
@@ -109,17 +109,18 @@ void compare_on(const FlowPair& pair, const std::vector<Method>& methods, int re
   }
 }
 
-// Restricts run-time dispatch of the dense flow (not of OpenCV's) to one instruction set.
+// Restricts the dispatch of the dense flow (not of OpenCV) to one instruction set.
 void restrict_to(const std::string& instruction_set) {
-  std::string known;
+  std::string available;
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    known += fmt::format(" {}", hwy::TargetName(target));
+    available += fmt::format(" {}", hwy::TargetName(target));
     if (instruction_set != hwy::TargetName(target)) continue;
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return;
   }
-  throw InputError(fmt::format("--instruction_set {}: here there are{}", instruction_set, known));
+  throw InputError(
+      fmt::format("--instruction_set {}: not available; use one of{}", instruction_set, available));
 }
 
 int compare(int argc, char** argv) {
@@ -132,21 +133,23 @@ int compare(int argc, char** argv) {
   std::uint64_t seed = 1;
   fs::path data;
   if (const char* folder = std::getenv("STILLKITE_DATA")) data = folder;
-  app.add_option("--repeats", repeats, "runs of each method, in turn")
+  app.add_option("--repeats", repeats, "runs of each method, interleaved")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--threads", threads, "of OpenCV and of the dense flow")
+  app.add_option("--threads", threads, "threads of OpenCV and the dense flow")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--noise", noise_grey, "of the rendered frames, grey")->capture_default_str();
-  app.add_option("--seed", seed, "of ground and noise")->capture_default_str();
+  app.add_option("--noise", noise_grey, "noise of the rendered frames, grey values")
+      ->capture_default_str();
+  app.add_option("--seed", seed, "seed of ground and noise")->capture_default_str();
   app.add_option("--data", data,
                  "folder with ground_photos/*.jpg and middlebury/*/, default $STILLKITE_DATA; "
-                 "without it only the procedural ground")
+                 "procedural ground only if unset")
       ->capture_default_str();
   std::string instruction_set;
-  app.add_option("--instruction_set", instruction_set,
-                 "that the dense flow may use, e.g. SCALAR, SSE4, AVX2, AVX3; default the best");
+  app.add_option(
+      "--instruction_set", instruction_set,
+      "instruction set of the dense flow, e.g. SCALAR, SSE4, AVX2, AVX3; default: best available");
   DenseLucasKanadeConfig dense;
   DenseLucasKanadeConfig::fields(
       dense, [&](const std::string& name, auto& value, const auto&, const std::string& meaning) {

@@ -1,6 +1,5 @@
-// How the hold answers wind: the hold paper's ways on the hovers' plant, its tether read at once,
-// but the pose told as it is, with noise, instead of by images. Minutes of video become
-// milliseconds.
+// Position error of the hold controller in wind: the hover trials' plant with undelayed tether
+// readings and the true pose plus noise instead of images.
 
 #include <fmt/core.h>
 
@@ -28,13 +27,13 @@ struct Options {
   std::vector<double> towards_deg{0, 30, 60, 90};
   int flights = 20;
   int first_seed = 1;
-  double place_noise_m = 0.001;
+  double position_noise_m = 0.001;
   double velocity_noise_m_s = 0.005;
   bool without_velocity = false;
-  double delay_s = 0.12;  // from exposure to command
+  double delay_s = 0.12;  // exposure to command
 };
 
-struct Told {
+struct SimulatedEstimate {
   MotionEstimate estimate;
   Eigen::Quaterniond station_from_camera;
 };
@@ -43,8 +42,8 @@ Vector3d noise(Random& random, double sigma) {
   return sigma * Vector3d(random.normal(), random.normal(), random.normal());
 }
 
-Told tell(const Options& options, const HoverPlant& plant, const RigidTransform& reference,
-          Random& random) {
+SimulatedEstimate estimate_with_noise(const Options& options, const HoverPlant& plant,
+                                      const RigidTransform& reference, Random& random) {
   const RigidTransform& camera = plant.truth().world_from_camera;
   const RigidTransform moved = reference.inverse() * camera;
   MotionEstimate estimate;
@@ -52,7 +51,7 @@ Told tell(const Options& options, const HoverPlant& plant, const RigidTransform&
   estimate.status = EstimateStatus::ok;
   estimate.reference_from_camera = moved.rotation;
   estimate.displacement_kind = DisplacementKind::metric;
-  estimate.displacement_in_reference = moved.translation + noise(random, options.place_noise_m);
+  estimate.displacement_in_reference = moved.translation + noise(random, options.position_noise_m);
   if (!options.without_velocity) {
     const Vector3d velocity =
         plant.truth().velocity_in_world_m_s + noise(random, options.velocity_noise_m_s);
@@ -61,7 +60,7 @@ Told tell(const Options& options, const HoverPlant& plant, const RigidTransform&
   return {estimate, plant.world_from_station().rotation.conjugate() * camera.rotation};
 }
 
-// Mean distance from where it should be.
+// Mean position error, m.
 double fly(const Options& options, const HoverConfig& config, const Trial& trial) {
   constexpr int kStepsPerFrame = 20;  // 600 / 30 Hz
   HoverPlant plant(config, trial);
@@ -69,7 +68,7 @@ double fly(const Options& options, const HoverConfig& config, const Trial& trial
   HoldController controller(config.hold);
   Random random(trial.seed);
   const RigidTransform reference = plant.truth().world_from_camera;
-  std::deque<Told> on_the_way;
+  std::deque<SimulatedEstimate> delayed;
   std::optional<TetherReading> tether;
   TetherCommand command;
   double sum_m = 0;
@@ -79,20 +78,20 @@ double fly(const Options& options, const HoverConfig& config, const Trial& trial
       tether = TetherReading{sample.stamp, sample.tether, sample.taut};
     }
     if (step % kStepsPerFrame == 0) {
-      on_the_way.push_back(tell(options, plant, reference, random));
+      delayed.push_back(estimate_with_noise(options, plant, reference, random));
       sum_m += (plant.truth().world_from_camera.translation - reference.translation).norm();
       ++frames;
     }
-    while (!on_the_way.empty() &&
-           seconds_between(on_the_way.front().estimate.stamp, plant.now()) >= options.delay_s) {
-      const Told& told = on_the_way.front();
+    while (!delayed.empty() &&
+           seconds_between(delayed.front().estimate.stamp, plant.now()) >= options.delay_s) {
+      const SimulatedEstimate& current = delayed.front();
       command = controller
                     .decide({.now = plant.now(),
-                             .estimate = told.estimate,
+                             .estimate = current.estimate,
                              .tether = tether,
-                             .station_from_camera = told.station_from_camera})
+                             .station_from_camera = current.station_from_camera})
                     .command;
-      on_the_way.pop_front();
+      delayed.pop_front();
     }
     plant.step(command);
   }
@@ -106,15 +105,15 @@ void print_row(const Options& options, double wind_m_s, double towards_deg) {
   fmt::print("{:>5.0f}{:>9.0f}", wind_m_s, towards_deg);
   double sum_m = 0;
   for (const PaperAxis axis : {PaperAxis::x, PaperAxis::y, PaperAxis::z}) {
-    double axis_m = 0, worst_m = 0;
+    double axis_m = 0, max_m = 0;
     for (int i = 0; i < options.flights; ++i) {
       const double m =
           fly(options, config,
               {.axis = axis, .seed = static_cast<std::uint64_t>(options.first_seed + i)});
       axis_m += m / options.flights;
-      worst_m = std::max(worst_m, m);
+      max_m = std::max(max_m, m);
     }
-    fmt::print("{:>8.2f} ({:>5.2f})", 100 * axis_m, 100 * worst_m);
+    fmt::print("{:>8.2f} ({:>5.2f})", 100 * axis_m, 100 * max_m);
     sum_m += axis_m;
   }
   fmt::print("{:>8.2f}\n", 100 * sum_m / 3);
@@ -123,21 +122,26 @@ void print_row(const Options& options, double wind_m_s, double towards_deg) {
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app("How far wind moves a held drone, by a pose that is told without images");
+  CLI::App app("Position error of the hold controller in wind, with simulated pose estimates");
   app.option_defaults()->always_capture_default();
-  app.add_option("--winds-m-s", options.winds_m_s, "mean winds");
-  app.add_option("--towards-deg", options.towards_deg, "directions, from the world's x");
-  app.add_option("--flights", options.flights, "an axis")->check(CLI::PositiveNumber);
-  app.add_option("--first-seed", options.first_seed)->check(CLI::NonNegativeNumber);
-  app.add_option("--place-noise-m", options.place_noise_m)->check(CLI::NonNegativeNumber);
-  app.add_option("--velocity-noise-m-s", options.velocity_noise_m_s)->check(CLI::NonNegativeNumber);
-  app.add_flag("--without-velocity", options.without_velocity, "a place alone is told");
-  app.add_option("--delay-s", options.delay_s, "from exposure to command")
+  app.add_option("--winds-m-s", options.winds_m_s, "mean wind speeds, m/s");
+  app.add_option("--towards-deg", options.towards_deg, "wind directions from world x, deg");
+  app.add_option("--flights", options.flights, "flights per axis")->check(CLI::PositiveNumber);
+  app.add_option("--first-seed", options.first_seed, "seed of the first flight")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--place-noise-m", options.position_noise_m,
+                 "standard deviation of the position, per axis, m")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--velocity-noise-m-s", options.velocity_noise_m_s,
+                 "standard deviation of the velocity, per axis, m/s")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--without-velocity", options.without_velocity, "position only");
+  app.add_option("--delay-s", options.delay_s, "delay from exposure to command, s")
       ->check(CLI::NonNegativeNumber);
   CLI11_PARSE(app, argc, argv);
 
   fmt::print(
-      "mean distance from home, cm, of {} flights (of the worst)\n"
+      "mean position error, cm, over {} flights (maximum)\n"
       "{:>5}{:>9}{:>16}{:>16}{:>16}{:>8}\n",
       options.flights, "m/s", "towards", "x", "y (up)", "z", "all");
   for (const double wind_m_s : options.winds_m_s) {

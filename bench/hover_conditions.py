@@ -1,21 +1,20 @@
 #!/usr/bin/env python3
-"""Flies the hold trials under named conditions and prints what hold and estimate were off by.
+"""Position and estimation errors of the hold trials under named conditions.
 
-One row a condition and policy, over the seeds (a seed: one flight along each of the paper's axes):
-mean |d| pooled over all flights and along the worst axis, cm; velocity RMSE, cm/s; NEES of the
-pose's six degrees of freedom (6 is honest); share of the images that told something, %; in
-brackets the worst seed's. What is already in the folder of results is not flown again, so that an
-interrupted call goes on where it was.
+One row per condition and policy, mean over the seeds, worst seed in brackets; each seed has one
+flight along each of the paper's axes. Columns: mean |d| over all flights and along the worst axis,
+cm; velocity RMSE, cm/s; position RMSE, cm; NEES of the pose's six degrees of freedom (6 if
+consistent); ratio of measured frames, %. Results that already exist in the output folder are reused.
 
   room          configs/trials_fused.yaml
-  calm          the same at the coast
-  wind_3 ...    mean wind of 3, 6, 9 m/s with Dryden's gusts
+  calm          the same flights at the coast
+  wind_3 ...    mean wind of 3, 6, 9 m/s with Dryden gusts
   sea           configs/trials_sea.yaml: waves, drift and wind
-  yaw_kicks     turned by 10 to 20 deg every 8 s
-  weak_texture  a tenth of the scene's contrast, the noise as ever
-  sun           exposure rising by 30 % over a flight, flickering by 5 %
-  moving_objects       two people walk to and fro 2.7 m ahead, in the room
-  excursion     not held: the drone follows its station 20 m out along x and z, at 1 m/s
+  yaw_kicks     yaw steps of 10 to 20 deg every 8 s
+  weak_texture  scene contrast 10 %, unchanged noise
+  sun           exposure ramp of 30 % over a flight, flicker of 5 %
+  moving_objects  two people walking 2.7 m ahead, in the room
+  excursion     no hold control: the drone follows its station over 20 m along x and z, at 1 m/s
 """
 
 import argparse
@@ -56,24 +55,24 @@ AXES = ("x", "y", "z")
 
 
 def displacement_cm(summary, axes):
-    """The largest mean |d| of these columns; of flights that are not held there is none to judge."""
+    """Maximum of the mean |d| over these columns, cm; None for flights without hold control."""
     values = [summary["table"]["on"][axis]["mean_m"] for axis in axes]
     return max((100 * v for v in values if v is not None), default=None)
 
 
 def estimate(key, factor):
     def value(summary):
-        found = summary["estimate"][key]
-        return None if found is None else factor * found
+        result = summary["estimate"][key]
+        return None if result is None else factor * result
     return value
 
 
-# heading, digits, value of a summary, which of two is worse
+# heading, digits, value of a summary, worse of two values
 COLUMNS = [
     ("mean abs(d), cm", 2, lambda s: displacement_cm(s, ["all"]), max),
     ("worst axis, cm", 2, lambda s: displacement_cm(s, AXES), max),
     ("velocity RMSE, cm/s", 2, estimate("velocity_rmse_m_s", 100), max),
-    ("place RMSE, cm", 2, estimate("position_rmse_m", 100), max),
+    ("position RMSE, cm", 2, estimate("position_rmse_m", 100), max),
     ("NEES (6)", 1, estimate("nees_mean", 1), max),
     ("available, %", 1, estimate("available_ratio", 100), min),
 ]
@@ -83,7 +82,7 @@ def fly(options, condition, policy, seed):
     config, keys = CONDITIONS[condition]
     folder = options.out / condition / f"{policy}-{seed}"
     if not folder.exists():
-        # an interrupted run writes a summary too, of less: only a finished one gets its name
+        # an interrupted run writes a partial summary: rename only when finished
         unfinished = folder.with_name(folder.name + ".part")
         shutil.rmtree(unfinished, ignore_errors=True)
         unfinished.parent.mkdir(parents=True, exist_ok=True)
@@ -102,11 +101,11 @@ def fly(options, condition, policy, seed):
 
 
 def cell(values, digits, worse):
-    known = [v for v in values if v is not None]
-    if not known:
+    available = [v for v in values if v is not None]
+    if not available:
         return "-"
-    mean = sum(known) / len(known)
-    return f"{mean:.{digits}f}" + (f" ({worse(known):.{digits}f})" if len(known) > 1 else "")
+    mean = sum(available) / len(available)
+    return f"{mean:.{digits}f}" + (f" ({worse(available):.{digits}f})" if len(available) > 1 else "")
 
 
 def print_table(options, flown):
@@ -120,7 +119,7 @@ def print_table(options, flown):
 
 
 def bound_95(values):
-    """Below it the mean is at 95 %: Student's t, by its expansion (Abramowitz, Stegun 26.7.5)."""
+    """Upper 95 % confidence bound of the mean: Student's t (Abramowitz and Stegun, eq. 26.7.5)."""
     z, freedom = statistics.NormalDist().inv_cdf(0.95), len(values) - 1
     t = z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
     return statistics.mean(values) + t * statistics.stdev(values) / math.sqrt(len(values))
@@ -135,25 +134,25 @@ def print_ratios(options, flown):
                       for seed in options.seeds if mean_m[condition, first, seed] and mean_m[condition, policy, seed]]
             if len(ratios) > 1:
                 print(f"{condition}: {policy} / {first}, {len(ratios)} pairs: "
-                      f"mean {statistics.mean(ratios):.3f}, below {bound_95(ratios):.3f}")
+                      f"mean {statistics.mean(ratios):.3f}, 95 % bound {bound_95(ratios):.3f}")
 
 
 def parse(arguments):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--command", type=pathlib.Path, default=ROOT / "build/release/app/stillkite",
-                        help="the program (default: build/release/app/stillkite)")
+                        help="stillkite executable (default: build/release/app/stillkite)")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/conditions",
-                        help="folder of results (default: out/conditions); one program's alone")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="(default: 1 2 3)")
+                        help="output folder (default: out/conditions); one per executable")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="seeds (default: 1 2 3)")
     parser.add_argument("--conditions", nargs="+", choices=CONDITIONS, default=list(CONDITIONS),
-                        metavar="CONDITION", help=f"of {', '.join(CONDITIONS)} (default: all)")
+                        metavar="CONDITION", help=f"{', '.join(CONDITIONS)} (default: all)")
     parser.add_argument("--policies", nargs="+", choices=["flow", "reference", "best", "fused"],
                         default=["fused"], metavar="POLICY",
-                        help="of flow, reference, best, fused (default: fused)")
+                        help="flow, reference, best, fused (default: fused)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
-                        help="a key for all flights; needs a folder of its own")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
+                        help="configuration key for all flights; use a separate output folder")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="parallel runs")
     return parser.parse_args(arguments)
 
 

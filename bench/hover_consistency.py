@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Is the fused pose's covariance honest in closed loop?
+"""Consistency of the fused pose covariance in closed loop.
 
-Flies short trials of hover_conditions.py's conditions, a flight an axis and seed, and prints the
-NEES of the pose's six degrees of freedom, averaged over the seeds at ten stamps: 6 when honest. A
-cell inside the 99 % band of so many chi-square variables is plain, one below it is marked - (too
-careful), one above + (too sure). What is already in the folder of results is not flown again.
+Flies short trials of hover_conditions.py's conditions, one flight per axis and seed. Prints the NEES
+of the pose's six degrees of freedom at ten stamps, averaged over the seeds; 6 if consistent. Marks
+values outside the 99 % chi-square band: - below (pessimistic), + above (optimistic). Results that
+already exist in the output folder are reused.
 """
 
 import argparse
@@ -19,11 +19,11 @@ import hover_conditions
 
 DEGREES_OF_FREEDOM = 6
 STAMPS_S = range(1, 11)
-SHORT = ["plant.station.level_reach_m=0.5", "plant.station.upright_reach_m=0.4"]
+SHORT = ["plant.station.level_reach_m=0.5", "plant.station.vertical_reach_m=0.4"]
 
 
 def band(count):
-    """99 % of the mean of that many chi-square variables (Wilson, Hilferty 1931)."""
+    """99 % band of the mean of `count` chi-square variables (Wilson and Hilferty 1931)."""
     k = DEGREES_OF_FREEDOM * count
     z = 2.576
     spread = 2 / (9 * k)
@@ -31,15 +31,15 @@ def band(count):
 
 
 def nees_at_stamps(file):
-    """(trial, stamp) -> NEES of the first image from that stamp on that has one."""
-    found = {}
+    """(trial, stamp) -> first NEES at or after the stamp."""
+    nees = {}
     with file.open() as rows:
         for row in csv.DictReader(line.lstrip("#") for line in rows):
             for stamp in STAMPS_S:
                 key = (int(row["trial"]), stamp)
-                if row["nees"] and float(row["t [s]"]) >= stamp and key not in found:
-                    found[key] = float(row["nees"])
-    return found
+                if row["nees"] and float(row["t [s]"]) >= stamp and key not in nees:
+                    nees[key] = float(row["nees"])
+    return nees
 
 
 def print_table(condition, flights):
@@ -60,7 +60,7 @@ def print_table(condition, flights):
             line += f"{mean:8.2f}" + ("-" if mean < low else "+" if mean > high else " ")
         print(line)
     low, high = band(max(1, len(flights)))
-    print(f"  band {low:.2f} to {high:.2f}: {inside} of {cells} cells inside")
+    print(f"  band {low:.2f} to {high:.2f}: {inside} of {cells} values inside")
 
 
 def parse(arguments):
@@ -68,17 +68,17 @@ def parse(arguments):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--command", type=pathlib.Path, default=root / "build/release/app/stillkite",
-                        help="the program (default: build/release/app/stillkite)")
+                        help="stillkite executable (default: build/release/app/stillkite)")
     parser.add_argument("--out", type=pathlib.Path, default=root / "out/consistency",
-                        help="folder of results (default: out/consistency); one program's alone")
+                        help="output folder (default: out/consistency); one per executable")
     parser.add_argument("--seeds", type=int, nargs="+", default=list(range(1001, 1051)),
-                        help="(default: 1001 to 1050)")
+                        help="seeds (default: 1001 to 1050)")
     parser.add_argument("--conditions", nargs="+", choices=hover_conditions.CONDITIONS,
                         default=["room"], metavar="CONDITION",
-                        help=f"of {', '.join(hover_conditions.CONDITIONS)} (default: room)")
+                        help=f"{', '.join(hover_conditions.CONDITIONS)} (default: room)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
-                        help="a key for all flights; needs a folder of its own")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
+                        help="configuration key for all flights; use a separate output folder")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="parallel runs")
     options = parser.parse_args(arguments)
     options.set = SHORT + options.set
     return options

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Flies one fault a flight along each axis and prints what the hold made of it.
+"""Position error of the hold controller under sensor and video faults, one fault per flight and axis.
 
-Asked for: while the fault lasts the drone goes no further than its station has gone since it
-began and 0.3 m; 5 s after its end it is within 10 cm of its place, to stay; every command is a
-number. Columns, each for x, y and z:
+Requirements: during the fault the displacement of the drone exceeds that of its station by at most
+0.3 m; within 5 s after the fault the position error is permanently below 10 cm; all commands are
+finite. Columns, each for x, y and z:
 
-  beyond   the drone's way since the fault began less the station's, at its largest (0: never)
-  back     from the fault's end until it is within 10 cm to stay; - where the flight ends before
-  off      from its place 5 s after the fault's end, in m
+  excess   maximum displacement of the drone since the fault began, less the station's, m
+  settled  time from the end of the fault until the error stays below 10 cm, s; -: never
+  error    position error 5 s after the end of the fault, m
 
-What is already in the folder of results is not flown again.
+Results that already exist in the output folder are reused.
 """
 
 import argparse
@@ -20,8 +20,8 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 START_S, DURATION_S = 6.0, 3.0
-HOME_M, SETTLED_S, MOST_BEYOND_M = 0.10, 5.0, 0.3
-AXES = 3  # an interrupted run has fewer flights
+MAX_ERROR_M, MAX_SETTLING_S, MAX_EXCESS_M = 0.10, 5.0, 0.3
+AXES = 3  # fewer flights: interrupted run
 AMOUNTS = {"height_step": ["plant.fault.floor_rise_m=1"]}
 KINDS = ["every_third_frame_lost", "stamps_off", "height_step", "gyro_bias", "frozen_video",
          "tether_slack", "picture_dark", "reference_blind", "flow_blind"]
@@ -52,20 +52,20 @@ def flights(folder):
     return list(made.values())
 
 
-def judge(samples):
-    """(beyond, seconds until back or None, off after 5 s, verdicts of the fault)."""
+def evaluate(samples):
+    """(excess, settling time or None, error after 5 s, verdicts during the fault)."""
     end_s = START_S + DURATION_S
     during = [s for s in samples if START_S <= s[0] < end_s]
     after = [s for s in samples if s[0] >= end_s]
     first = during[0]
-    beyond = max(math.dist(s[1], first[1]) - math.dist(s[2], first[2]) for s in during)
-    away = [s[0] for s in after if math.hypot(*s[1]) > HOME_M]
-    back = 0.0 if not away else None if away[-1] == after[-1][0] else away[-1] - end_s
-    off = next(math.hypot(*s[1]) for s in after if s[0] >= end_s + SETTLED_S)
-    told = sorted({s[3] for s in samples if START_S <= s[0] < end_s + 1} - {"ok", "first_frame"})
+    excess = max(math.dist(s[1], first[1]) - math.dist(s[2], first[2]) for s in during)
+    unsettled = [s[0] for s in after if math.hypot(*s[1]) > MAX_ERROR_M]
+    settled = 0.0 if not unsettled else None if unsettled[-1] == after[-1][0] else unsettled[-1] - end_s
+    error = next(math.hypot(*s[1]) for s in after if s[0] >= end_s + MAX_SETTLING_S)
+    verdicts = sorted({s[3] for s in samples if START_S <= s[0] < end_s + 1} - {"ok", "first_frame"})
     if not all(math.isfinite(v) for s in samples for v in s[4]):
-        raise SystemExit("a command is not a number")
-    return max(0.0, beyond), back, off, told
+        raise SystemExit("hover_faults: samples.csv contains a non-finite command")
+    return max(0.0, excess), settled, error, verdicts
 
 
 def main():
@@ -77,18 +77,18 @@ def main():
     parser.add_argument("--seeds", nargs="+", type=int, default=[1])
     parser.add_argument("--set", action="append", default=[], help="key=value, as for stillkite")
     options = parser.parse_args()
-    print("| kind | seed | beyond, m | back, s | off after 5 s, m | told by | met |\n"
+    print("| kind | seed | excess, m | settled, s | error after 5 s, m | verdicts | passed |\n"
           "|---|---|---|---|---|---|---|")
     for kind in options.kinds:
         for seed in options.seeds:
-            results = [judge(samples) for samples in flights(fly(options, kind, seed))]
-            met = all(beyond <= MOST_BEYOND_M and back is not None and back <= SETTLED_S
-                      for beyond, back, _, _ in results)
+            results = [evaluate(samples) for samples in flights(fly(options, kind, seed))]
+            passed = all(excess <= MAX_EXCESS_M and settled is not None and settled <= MAX_SETTLING_S
+                         for excess, settled, _, _ in results)
             cells = [", ".join(f"{r[0]:.2f}" for r in results),
                      ", ".join("-" if r[1] is None else f"{r[1]:.1f}" for r in results),
                      ", ".join(f"{r[2]:.2f}" for r in results),
-                     ", ".join(sorted({t for r in results for t in r[3]})) or "nothing"]
-            print(f"| {kind} | {seed} | {' | '.join(cells)} | {'yes' if met else 'no'} |", flush=True)
+                     ", ".join(sorted({t for r in results for t in r[3]})) or "none"]
+            print(f"| {kind} | {seed} | {' | '.join(cells)} | {'yes' if passed else 'no'} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -14,30 +14,31 @@
 
 namespace stillkite::bench {
 
-/// A hover about its start: a circle that sways up and down, entered smoothly.
+/// Hover trajectory: horizontal circle with vertical sway about the initial pose, smooth entry.
 struct Hover {
-  static constexpr double kSettle_s = 1.5;
+  static constexpr double kEntry_s = 1.5;
 
-  RigidTransform start;  // world from body
+  RigidTransform world_from_initial;  ///< body pose
   double radius_m = 0;
 
   [[nodiscard]] RigidTransform world_from_body(double t_s) const {
-    const double s = std::clamp(t_s / kSettle_s, 0.0, 1.0);
-    const double away_m = radius_m * s * s * (3 - 2 * s);
-    const Eigen::Vector3d offset(std::cos(1.1 * t_s), std::sin(1.1 * t_s),
-                                 0.6 * std::sin(0.7 * t_s + 1));
+    const double s = std::clamp(t_s / kEntry_s, 0.0, 1.0);
+    const double offset_m = radius_m * s * s * (3 - 2 * s);
+    const Eigen::Vector3d direction(std::cos(1.1 * t_s), std::sin(1.1 * t_s),
+                                    0.6 * std::sin(0.7 * t_s + 1));
     const double yaw_rad = 3 * kDegree * std::sin(0.9 * t_s);
-    return start * RigidTransform{so3_exp({0, 0, yaw_rad}), away_m * offset};
+    return world_from_initial * RigidTransform{so3_exp({0, 0, yaw_rad}), offset_m * direction};
   }
 };
 
-/// What the trials' camera sees of a hover at an instant, with the processor time it took.
+/// Rendered image of the hover trials' camera with its CPU time.
 struct View {
   cv::Mat grey;
   RigidTransform world_from_camera;
   double render_ms = 0, develop_ms = 0;
 };
 
+/// Image at `t_s`; `seed` of the image noise.
 inline View view_of(const PatchScene& scene, const PatchRenderer& renderer, const Hover& hover,
                     double t_s, std::uint64_t seed) {
   const SimulatedCameraConfig camera = hover_camera();

@@ -1,5 +1,6 @@
-// Velocity of a camera from one pair of images: error against the Cramer-Rao bound, and time,
-// beside OpenCV's flows. Methods take turns, so that a busy machine is busy for all of them.
+// Camera velocity from one image pair: error relative to the Cramer-Rao bound and run time,
+// compared with OpenCV's optical flow. Methods run interleaved: other load of the machine affects
+// all of them.
 
 #include <fmt/format.h>
 
@@ -18,7 +19,7 @@
 #include "estimation/ego_motion/motion_filter.hpp"
 #include "estimation/plane/keyframe_pose.hpp"
 #include "flow/dense_lucas_kanade.hpp"
-#include "flow/flow_window_sampler.hpp"
+#include "flow/flow_sampler.hpp"
 #include "flow/opencv_flow.hpp"
 #include "geometry/median.hpp"
 
@@ -26,10 +27,10 @@ namespace stillkite::bench {
 namespace {
 
 constexpr double kNoise_grey = 1.5;
-constexpr double kGuessOff_px = 2;
-constexpr int kEnoughPairs = 50;  // with a dozen an RMS is below a true bound by chance
+constexpr double kInitialError_px = 2;
+constexpr int kMinPairs = 50;  // fewer pairs: the RMS may be below a true bound by chance
 
-struct Answer {
+struct PairEstimate {
   std::optional<Twist> twist;
   double flow_ms = 0;
   double total_ms = 0;
@@ -40,20 +41,20 @@ double ms_since(std::chrono::steady_clock::time_point start) {
       .count();
 }
 
-// The twist that is constant in the camera and takes it from one pose to the other.
+// Constant twist in camera between two poses.
 Twist screw_between(const RigidTransform& previous_from_current, double dt_s) {
-  const Eigen::Vector3d turn = so3_log(previous_from_current.rotation);
+  const Eigen::Vector3d rotation_vector = so3_log(previous_from_current.rotation);
   const Eigen::Vector3d v =
-      so3_left_jacobian(turn).partialPivLu().solve(previous_from_current.translation);
-  return {v / dt_s, turn / dt_s};
+      so3_left_jacobian(rotation_vector).partialPivLu().solve(previous_from_current.translation);
+  return {v / dt_s, rotation_vector / dt_s};
 }
 
-// The first guess is the truth moved sideways by kGuessOff_px, in a direction of its own a seed.
-PlaneMotion first_guess(const BenchScene& scene, int seed) {
-  PlaneMotion guess = motion_between(scene.world_from_previous, scene.world_from_current);
-  guess.translation += kGuessOff_px / scene.camera.focal_x_px *
-                       Eigen::Vector3d(std::cos(2.4 * seed), std::sin(2.4 * seed), 0);
-  return guess;
+// Initial motion: truth displaced sideways by kInitialError_px, direction by seed.
+PlaneMotion initial_motion(const BenchScene& scene, int seed) {
+  PlaneMotion initial = motion_between(scene.world_from_previous, scene.world_from_current);
+  initial.translation += kInitialError_px / scene.camera.focal_x_px *
+                         Eigen::Vector3d(std::cos(2.4 * seed), std::sin(2.4 * seed), 0);
+  return initial;
 }
 
 class TileMethod {
@@ -61,27 +62,28 @@ class TileMethod {
   TileMethod(const Camera& camera, const PlaneAlignmentConfig& config)
       : config_(config), aligner_(camera, config) {}
 
-  Answer operator()(const BenchScene& scene, const FramePair& pair, const PlaneMotion& guess) {
-    // the previous frame's pyramid was made when it was the current one
+  PairEstimate operator()(const BenchScene& scene, const FramePair& pair,
+                          const PlaneMotion& initial) {
+    // untimed: the pyramid of the previous frame exists already
     pyramid_.build(pair.previous, config_.levels);
     aligner_.set_reference(pyramid_);
     const auto start = std::chrono::steady_clock::now();
     pyramid_.build(pair.current, config_.levels);
-    const PlaneAlignment alignment = aligner_.align(pyramid_, guess, {});
-    Answer answer;
-    answer.flow_ms = ms_since(start);
+    const PlaneAlignment alignment = aligner_.align(pyramid_, initial, {});
+    PairEstimate estimate;
+    estimate.flow_ms = ms_since(start);
     const double height_m = scene.ground.height_m;
     const RigidTransform previous_from_current =
         RigidTransform{alignment.motion.rotation, height_m * alignment.motion.translation}
             .inverse();
-    // the filter's work, whose answer is not what is judged here
+    // filter step for its run time only
     MotionFilter filter{MotionFilterConfig{}};
-    filter.start(RigidTransform{}, height_m, 1);
+    filter.initialize(RigidTransform{}, height_m, 1);
     filter.predict(scene.interval_s);
     filter.update(previous_from_current, alignment.covariance.topLeftCorner<6, 6>());
-    answer.total_ms = ms_since(start);
-    if (alignment.solvable) answer.twist = screw_between(previous_from_current, scene.interval_s);
-    return answer;
+    estimate.total_ms = ms_since(start);
+    if (alignment.solvable) estimate.twist = screw_between(previous_from_current, scene.interval_s);
+    return estimate;
   }
 
  private:
@@ -90,7 +92,7 @@ class TileMethod {
   Pyramid pyramid_;
 };
 
-// Any flow, then the robust least squares of the exact motion field.
+// Optical flow and robust least squares of the exact motion field.
 class FlowMethod {
  public:
   using Flow = std::function<const FlowField&(const cv::Mat&, const cv::Mat&)>;
@@ -99,27 +101,27 @@ class FlowMethod {
         sampler_(stride_px),
         solver_(camera, {.weighting = Weighting::robust}) {}
 
-  Answer operator()(const BenchScene& scene, const FramePair& pair) {
+  PairEstimate operator()(const BenchScene& scene, const FramePair& pair) {
     const auto start = std::chrono::steady_clock::now();
     const FlowField& field = flow_(pair.previous, pair.current);
-    Answer answer;
-    answer.flow_ms = ms_since(start);
+    PairEstimate estimate;
+    estimate.flow_ms = ms_since(start);
     const EgoMotion motion = solver_.solve(sampler_(field), scene.ground, scene.interval_s);
-    answer.total_ms = ms_since(start);
-    if (motion.verdict == Verdict::ok) answer.twist = motion.twist;
-    return answer;
+    estimate.total_ms = ms_since(start);
+    if (motion.verdict == Verdict::ok) estimate.twist = motion.twist;
+    return estimate;
   }
 
  private:
   Flow flow_;
-  FlowWindowSampler sampler_;
+  FlowSampler sampler_;
   EgoMotionSolver solver_;
 };
 
 struct Method {
   std::string name;
-  std::function<Answer(const BenchScene&, const FramePair&, const PlaneMotion&)> run;
-  double most_ratio = 0;  // of RMS over the bound; 0: not judged
+  std::function<PairEstimate(const BenchScene&, const FramePair&, const PlaneMotion&)> run;
+  double max_ratio = 0;  // of RMS over the bound; 0: unchecked
   std::vector<Vector6d> errors;
   std::vector<double> flow_ms, total_ms;
   int failed = 0;
@@ -128,20 +130,20 @@ struct Method {
 std::vector<Method> make_methods(const Camera& camera, bool scene_a) {
   std::vector<Method> methods;
   const auto tiles = [&](const std::string& name, const PlaneAlignmentConfig& config,
-                         double most_ratio) {
+                         double max_ratio) {
     auto method = std::make_shared<TileMethod>(camera, config);
     methods.push_back({name,
                        [method](const BenchScene& s, const FramePair& p, const PlaneMotion& g) {
                          return (*method)(s, p, g);
                        },
-                       most_ratio});
+                       max_ratio});
   };
   const auto flow = [&](const std::string& name, FlowMethod::Flow run, int stride_px) {
     auto method = std::make_shared<FlowMethod>(camera, std::move(run), stride_px);
-    const auto answer = [method](const BenchScene& s, const FramePair& p, const PlaneMotion&) {
+    const auto estimate = [method](const BenchScene& s, const FramePair& p, const PlaneMotion&) {
       return (*method)(s, p);
     };
-    methods.push_back(Method{.name = name, .run = answer});
+    methods.push_back(Method{.name = name, .run = estimate});
   };
   tiles("tiles, fast (32x24)",
         {.levels = 3, .tile_columns = 32, .tile_rows = 24, .solver = {.reweightings = 1}},
@@ -168,19 +170,19 @@ std::vector<Method> make_methods(const Camera& camera, bool scene_a) {
   return methods;
 }
 
-// Prints the table; false where a bound proved wrong or a judged method missed its ratio.
-bool report(const std::vector<Method>& methods, double bound_m_s, bool judge) {
-  const auto time_of = [&](const std::string& name) {
+// Prints the table. False if an RMS is below the bound or above the maximum ratio of its method.
+bool report(const std::vector<Method>& methods, double bound_m_s, bool check_ratios) {
+  const auto flow_ms_of = [&](const std::string& name) {
     for (const Method& m : methods) {
       if (m.name == name) return median(m.flow_ms);
     }
     return std::nan("");
   };
-  const double dis_fast_ms = time_of("OpenCV DIS fast");
-  const double pyramidal_ms = time_of("OpenCV pyramidal LK, stride 8");
+  const double dis_fast_ms = flow_ms_of("OpenCV DIS fast");
+  const double pyramidal_ms = flow_ms_of("OpenCV pyramidal LK, stride 8");
   fmt::print("{:<30} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}\n", "method", "ms", "DISf/ms",
              "pLK/ms", "bias m/s", "rms m/s", "bias/CRB", "rms/CRB", "failed");
-  bool good = true;
+  bool passed = true;
   for (const Method& m : methods) {
     Vector6d mean = Vector6d::Zero();
     double square = 0;
@@ -193,33 +195,33 @@ bool report(const std::vector<Method>& methods, double bound_m_s, bool judge) {
     fmt::print("{:<30} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.5f} {:>9.5f} {:>9.2f} {:>9.2f} {:>8}\n",
                m.name, ms, dis_fast_ms / ms, pyramidal_ms / ms, mean.head<3>().norm(), rms,
                mean.head<3>().norm() / bound_m_s, rms / bound_m_s, m.failed);
-    if (m.errors.size() >= kEnoughPairs && rms < 0.9 * bound_m_s) {
-      fmt::print(stderr, "{}: better than the bound, so the bound is wrong\n", m.name);
-      good = false;
+    if (m.errors.size() >= kMinPairs && rms < 0.9 * bound_m_s) {
+      fmt::print(stderr, "{}: RMS below the Cramer-Rao bound; check the bound\n", m.name);
+      passed = false;
     }
-    if (judge && m.most_ratio > 0 && !(rms <= m.most_ratio * bound_m_s)) {
-      fmt::print(stderr, "{}: {:.2f} times the bound, {} allowed\n", m.name, rms / bound_m_s,
-                 m.most_ratio);
-      good = false;
+    if (check_ratios && m.max_ratio > 0 && !(rms <= m.max_ratio * bound_m_s)) {
+      fmt::print(stderr, "{}: RMS {:.2f} times the bound, maximum {}\n", m.name, rms / bound_m_s,
+                 m.max_ratio);
+      passed = false;
     }
   }
-  return good;
+  return passed;
 }
 
 void try_method(Method& method, const BenchScene& scene, const FramePair& pair,
-                const PlaneMotion& guess) {
-  const Answer answer = method.run(scene, pair, guess);
-  method.flow_ms.push_back(answer.flow_ms);
-  method.total_ms.push_back(answer.total_ms);
-  if (answer.twist) {
-    method.errors.emplace_back(answer.twist->vector() - scene.twist_in_camera.vector());
+                const PlaneMotion& initial) {
+  const PairEstimate estimate = method.run(scene, pair, initial);
+  method.flow_ms.push_back(estimate.flow_ms);
+  method.total_ms.push_back(estimate.total_ms);
+  if (estimate.twist) {
+    method.errors.emplace_back(estimate.twist->vector() - scene.twist_in_camera.vector());
   } else {
     ++method.failed;
   }
 }
 
-// Aliasing of one ground is an error that no noise averages away, and whose luck one method may
-// have: grounds take turns.
+// Aliasing of one ground is a systematic error that noise seeds do not average out: several
+// grounds.
 bool run_scene(const std::string& name, const BenchMotion& motion, const std::string& photograph,
                int grounds, int seeds) {
   cv::Mat texture;
@@ -238,8 +240,8 @@ bool run_scene(const std::string& name, const BenchMotion& motion, const std::st
     for (int seed = 0; seed < seeds; ++seed) {
       const FramePair pair =
           with_noise(scene, kNoise_grey, 1000 * static_cast<unsigned>(ground) + seed);
-      const PlaneMotion guess = first_guess(scene, seed);
-      for (Method& m : methods) try_method(m, scene, pair, guess);
+      const PlaneMotion initial = initial_motion(scene, seed);
+      for (Method& m : methods) try_method(m, scene, pair, initial);
     }
   }
   const double bound_m_s = std::sqrt(squared_bound_m2_s2);
@@ -251,19 +253,20 @@ bool run_scene(const std::string& name, const BenchMotion& motion, const std::st
 
 int compare(int argc, char** argv) {
   CLI::App app{
-      "Velocity from one pair of 1920x1080 images, scenes A and B: error and time in one row.\n"
-      "Fails where a tile method misses its ratio and, from 50 pairs on, where a method beats the "
-      "Cramer-Rao bound."};
+      "Camera velocity from one pair of 1920x1080 images, scenes A and B: error and run time.\n"
+      "Exit status 1 if a tile method exceeds its maximum ratio or, from 50 pairs, an RMS is below "
+      "the Cramer-Rao bound."};
   int grounds = 5;
   int seeds = 10;
   std::string photograph;
-  app.add_option("--grounds", grounds, "procedural grounds")
+  app.add_option("--grounds", grounds, "number of procedural grounds")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  app.add_option("--seeds", seeds, "noise seeds, for each ground")
+  app.add_option("--seeds", seeds, "noise seeds per ground")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  app.add_option("--photograph", photograph, "ground from an image instead of the procedural one");
+  app.add_option("--photograph", photograph,
+                 "ground texture from an image instead of the procedural one");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   const bool a = run_scene("A", kBenchSceneA, photograph, grounds, seeds);

@@ -1,5 +1,4 @@
-// Decodes a video with OpenCV's own reader and does nothing with it: what bench/run_rate.py
-// compares `stillkite run` with.
+// Decodes a video with OpenCV and prints the frame count: baseline of bench/run_rate.py.
 #include <fmt/core.h>
 
 #include <cstdlib>
@@ -13,7 +12,9 @@ int main(int argc, char** argv) {
   }
   cv::VideoCapture video(argv[1], cv::CAP_FFMPEG);
   if (!video.isOpened()) {
-    fmt::print(stderr, "bench_opencv_decoding: {} cannot be opened as a video\n", argv[1]);
+    fmt::print(stderr,
+               "bench_opencv_decoding: {}: not a readable video; give a file that FFmpeg decodes\n",
+               argv[1]);
     return 2;
   }
   cv::Mat frame;

@@ -13,10 +13,10 @@ constexpr int kMaxFeatures = 3000;
 constexpr double kQuality = 0.01;
 constexpr double kMinDistance_px = 2;
 constexpr int kMaxLevel = 3;
-constexpr int kFewestPairs = 5;
+constexpr int kMinPairs = 5;
 const cv::Size kWindow_px{35, 35};
 
-// The camera's origin seen from the reference, -R^T t.
+// Displacement in the reference frame: -R^T t.
 MotionEstimate motion_of(const cv::Mat& R, const cv::Mat& t) {
   const Eigen::Matrix3d rotation =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.ptr<double>());
@@ -70,7 +70,7 @@ OpenCvHoldEstimate OpenCvHold::step(const cv::Mat& grey) const {
   }
   out.features = static_cast<int>(from_px.size());
   out.ms[kFlow] = watch.lap_ms();
-  if (out.features < kFewestPairs) return out;
+  if (out.features < kMinPairs) return out;
 
   std::vector<cv::Point2d> from;
   std::vector<cv::Point2d> to;

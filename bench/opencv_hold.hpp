@@ -10,24 +10,25 @@
 
 namespace stillkite::bench {
 
-/// What one frame costs the hold paper's steps (section III), call by call.
+/// Timed steps of the hold paper's estimator (section III), one per OpenCV call.
 enum OpenCvStep { kPyramid, kFlow, kUndistort, kEssential, kCorrect, kRecover, kOpenCvSteps };
 
 struct OpenCvHoldEstimate {
   MotionEstimate motion;
-  int features = 0;  ///< found again
+  int features = 0;  ///< tracked features
   std::array<double, kOpenCvSteps> ms{};
 };
 
-/// The hold paper's estimator in plain OpenCV calls: up to 3000 corners of the reference, pyramidal
-/// Lucas-Kanade from there (35 px, 3 levels above the image), undistortPoints, findEssentialMat,
+/// Estimator of the hold paper in OpenCV calls: up to 3000 corners in the reference image,
+/// pyramidal Lucas-Kanade (35 px window, 4 levels), undistortPoints, findEssentialMat,
 /// correctMatches, recoverPose.
 class OpenCvHold {
  public:
-  /// `method`: of findEssentialMat; the paper's is cv::RANSAC.
+  /// `method`: of findEssentialMat; paper: cv::RANSAC. Precondition: radial-tangential distortion.
   OpenCvHold(const Camera& camera, int method);
 
   void set_reference(const cv::Mat& grey);
+  /// Pose relative to the reference image. Not `ok` with fewer than 5 pairs or without a unique E.
   [[nodiscard]] OpenCvHoldEstimate step(const cv::Mat& grey) const;
 
  private:

@@ -4,10 +4,10 @@
 
 namespace stillkite::bench {
 
-/// This thread's processor time from lap to lap: where others share the machine, wall time counts
-/// their work into long laps and leaves it out of short ones.
+/// Stopwatch of the calling thread's CPU time, independent of other load on the machine.
 class ProcessorWatch {
  public:
+  /// CPU time since the last call (or construction).
   double lap_ms() {
     const double now = now_ms();
     const double ms = now - last_;

@@ -1,5 +1,5 @@
-// Error and time of the pose of two views: ours beside OpenCV's estimators, which take turns on the
-// same pairs; and what the model test says of scenes with depth, planes, rotations and stillness.
+// Error and run time of two-view relative pose: Stillkite and OpenCV, interleaved on the same
+// pairs. Confusion matrix of the model test: general scene, plane, rotation only, still.
 
 #include <fmt/format.h>
 
@@ -31,17 +31,17 @@ struct Method {
   std::function<RelativePoseEstimate(const TwoViews&, std::uint32_t seed)> run;
 };
 
-// Off by a degree of rotation and ten of direction; in every twentieth run by ninety.
+// Prior with 1 deg rotation error and 10 deg direction error; 90 deg in every twentieth run.
 RelativePose prior_of(const TwoViews& views, std::uint32_t seed) {
-  const auto aside = [&](std::uint32_t k) {
+  const auto random_direction = [&](std::uint32_t k) {
     const TwoViews other = make_two_views({.points = 1}, 7919 * seed + k);
     return other.truth.direction;
   };
-  const double off_deg = seed % 20 == 0 ? 90 : 10;
+  const double prior_error_deg = seed % 20 == 0 ? 90 : 10;
   const Eigen::Vector3d& t = views.truth.direction;
-  const Eigen::Vector3d axis = t.cross(aside(1)).normalized();
-  return {so3_exp(kDegree * aside(2)) * views.truth.current_from_reference,
-          so3_exp(off_deg * kDegree * axis) * t};
+  const Eigen::Vector3d axis = t.cross(random_direction(1)).normalized();
+  return {so3_exp(kDegree * random_direction(2)) * views.truth.current_from_reference,
+          so3_exp(prior_error_deg * kDegree * axis) * t};
 }
 
 std::vector<Method> all_methods(const RelativePoseConfig& config) {
@@ -55,16 +55,16 @@ std::vector<Method> all_methods(const RelativePoseConfig& config) {
                          return estimate_relative_pose_opencv(v.pairs, kFocal_px, opencv);
                        }});
   }
-  methods.push_back({"ours, cold", [config](const TwoViews& v, std::uint32_t) {
+  methods.push_back({"Stillkite, cold", [config](const TwoViews& v, std::uint32_t) {
                        return estimate_relative_pose(v.pairs, kFocal_px, config);
                      }});
-  methods.push_back({"ours, warm", [config](const TwoViews& v, std::uint32_t seed) {
+  methods.push_back({"Stillkite, warm", [config](const TwoViews& v, std::uint32_t seed) {
                        return estimate_relative_pose(v.pairs, kFocal_px, config,
                                                      {.prior = prior_of(v, seed)});
                      }});
   RelativePoseConfig plain = config;
   plain.model_test = false;
-  methods.push_back({"ours, cold, no model test", [plain](const TwoViews& v, std::uint32_t) {
+  methods.push_back({"Stillkite, cold, no model test", [plain](const TwoViews& v, std::uint32_t) {
                        return estimate_relative_pose(v.pairs, kFocal_px, plain);
                      }});
   return methods;
@@ -78,26 +78,26 @@ void compare_at(double outliers, int seeds, const RelativePoseConfig& config) {
     const TwoViews views = make_two_views({.outliers = outliers}, static_cast<std::uint32_t>(seed));
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const std::clock_t start = std::clock();
-      const RelativePoseEstimate found = methods[m].run(views, static_cast<std::uint32_t>(seed));
+      const RelativePoseEstimate estimate = methods[m].run(views, static_cast<std::uint32_t>(seed));
       ms[m].push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-      rotation[m].push_back(rotation_error_deg(found.pose, views.truth));
-      direction[m].push_back(direction_error_deg(found.pose, views.truth));
+      rotation[m].push_back(rotation_error_deg(estimate.pose, views.truth));
+      direction[m].push_back(direction_error_deg(estimate.pose, views.truth));
     }
   }
-  fmt::print("\n{:.0f} % outliers, {} seeds: medians, processor time of one thread\n",
-             100 * outliers, seeds);
-  fmt::print("{:<28} {:>12} {:>12} {:>12} {:>8} {:>10}\n", "method", "rotation deg", "(largest)",
+  fmt::print("\n{:.0f} % outliers, {} seeds: medians, CPU time of one thread\n", 100 * outliers,
+             seeds);
+  fmt::print("{:<32} {:>12} {:>12} {:>12} {:>8} {:>10}\n", "method", "rotation deg", "(maximum)",
              "direction", "ms", "of MAGSAC");
   const double magsac_ms = median_of(ms[4]);
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    fmt::print("{:<28} {:>12.4f} {:>12.4f} {:>12.3f} {:>8.3f} {:>10.3f}\n", methods[m].name,
+    fmt::print("{:<32} {:>12.4f} {:>12.4f} {:>12.3f} {:>8.3f} {:>10.3f}\n", methods[m].name,
                median_of(rotation[m]), *std::max_element(rotation[m].begin(), rotation[m].end()),
                median_of(direction[m]), median_of(ms[m]), median_of(ms[m]) / magsac_ms);
   }
 }
 
-// The largest distance, in standard deviations of the noise, of what the content shows beyond the
-// next simpler model: relief beyond the plane, parallax beyond the rotation, a turn beyond rest.
+// Maximum deviation from the next simpler model, in standard deviations of the noise: relief from
+// the plane, parallax from the rotation, rotation from zero motion.
 double discriminating_sigma(const TwoViewScene& scene, const TwoViews& views) {
   switch (scene.content) {
     case ViewModel::general:
@@ -105,7 +105,7 @@ double discriminating_sigma(const TwoViewScene& scene, const TwoViews& views) {
     case ViewModel::plane:
       return views.parallax_px / scene.noise_px;
     case ViewModel::rotation_only:
-      return scene.turn_rad * kFocal_px / scene.noise_px;
+      return scene.rotation_rad * kFocal_px / scene.noise_px;
     default:
       return 0;
   }
@@ -113,21 +113,21 @@ double discriminating_sigma(const TwoViewScene& scene, const TwoViews& views) {
 
 struct Tally {
   std::map<ViewModel, int> verdicts;
-  int frames = 0, right = 0, flips = 0, false_translations = 0;
-  double largest_rotation_deg = 0;
+  int frames = 0, correct = 0, flips = 0, false_translations = 0;
+  double max_rotation_error_deg = 0;
 };
 
 void count_verdict(const TwoViewScene& scene, const TwoViews& views,
-                   const RelativePoseEstimate& found, Tally& tally) {
+                   const RelativePoseEstimate& estimate, Tally& tally) {
   ++tally.frames;
-  ++tally.verdicts[found.model];
-  tally.right += found.model == scene.content ? 1 : 0;
-  if (found.model == ViewModel::undecided) return;
-  tally.largest_rotation_deg =
-      std::max(tally.largest_rotation_deg, rotation_error_deg(found.pose, views.truth));
-  const bool claims = found.pose.direction.norm() > 0;
-  if (claims && views.truth.direction.norm() == 0) ++tally.false_translations;
-  if (claims && found.pose.direction.dot(views.truth.direction) < 0) ++tally.flips;
+  ++tally.verdicts[estimate.model];
+  tally.correct += estimate.model == scene.content ? 1 : 0;
+  if (estimate.model == ViewModel::undecided) return;
+  tally.max_rotation_error_deg =
+      std::max(tally.max_rotation_error_deg, rotation_error_deg(estimate.pose, views.truth));
+  const bool has_direction = estimate.pose.direction.norm() > 0;
+  if (has_direction && views.truth.direction.norm() == 0) ++tally.false_translations;
+  if (has_direction && estimate.pose.direction.dot(views.truth.direction) < 0) ++tally.flips;
 }
 
 void print_tally(const std::string& name, const Tally& tally) {
@@ -138,23 +138,23 @@ void print_tally(const std::string& name, const Tally& tally) {
                std::max<std::size_t>(model_name.size(), 6));
   }
   fmt::print(" {:>8.1f} {:>10.4f} {:>6} {:>6}\n",
-             tally.frames > 0 ? 100.0 * tally.right / tally.frames : 0.0,
-             tally.largest_rotation_deg, tally.flips, tally.false_translations);
+             tally.frames > 0 ? 100.0 * tally.correct / tally.frames : 0.0,
+             tally.max_rotation_error_deg, tally.flips, tally.false_translations);
 }
 
 void confusion(int seeds, const RelativePoseConfig& config, bool with_vertical) {
   fmt::print(
-      "\nModels, {}: frames by what was said; % right; largest rotation error, deg; turns "
-      "of t by over 90 deg; translations where there is none\n",
-      with_vertical ? "the vertical known" : "no vertical, no prior");
+      "\nModel test, {}: frames by selected model; % correct; maximum rotation error, deg; "
+      "direction errors over 90 deg; false translations\n",
+      with_vertical ? "vertical given" : "no vertical, no prior");
   fmt::print("{:<36} {:>6}", "scene", "frames");
   for (const auto& [model, name] : EnumNames<ViewModel>::value) {
     fmt::print(" {:>{}}", name, std::max<std::size_t>(name.size(), 6));
   }
-  fmt::print(" {:>8} {:>10} {:>6} {:>6}\n", "% right", "rotation", "flips", "false");
+  fmt::print(" {:>8} {:>10} {:>6} {:>6}\n", "correct", "rotation", "flips", "false");
   for (const ViewModel content :
        {ViewModel::still, ViewModel::rotation_only, ViewModel::plane, ViewModel::general}) {
-    Tally above, below;
+    Tally observable, unobservable;
     const bool moves = content == ViewModel::plane || content == ViewModel::general;
     const std::vector<double> sizes =
         moves ? std::vector{0.005, 0.02, 0.05, 0.1, 0.2} : std::vector{0.001, 0.01, 0.1};
@@ -162,26 +162,29 @@ void confusion(int seeds, const RelativePoseConfig& config, bool with_vertical) 
       for (int k = 0; k < seeds; ++k) {
         const auto seed = static_cast<std::uint32_t>(1000 + k);
         TwoViewScene scene{.content = content, .outliers = 0.1 + 0.2 * k / seeds};
-        (moves ? scene.baseline : scene.turn_rad) = size;
+        (moves ? scene.baseline : scene.rotation_rad) = size;
         const TwoViews views = make_two_views(scene, seed);
         RelativePoseHints hints;
         if (with_vertical) {
           hints.up_in_reference = -views.normal;
           hints.up_in_current = views.truth.current_from_reference * -views.normal;
         }
-        const RelativePoseEstimate found =
+        const RelativePoseEstimate estimate =
             estimate_relative_pose(views.pairs, kFocal_px, config, hints);
-        const bool clear = content == ViewModel::still || discriminating_sigma(scene, views) > 5;
-        count_verdict(scene, views, found, clear ? above : below);
+        const bool is_observable =
+            content == ViewModel::still || discriminating_sigma(scene, views) > 5;
+        count_verdict(scene, views, estimate, is_observable ? observable : unobservable);
       }
     }
-    print_tally(fmt::format("{}, over 5 sigma", name_of(content)), above);
-    print_tally(fmt::format("{}, below", name_of(content)), below);
+    print_tally(fmt::format("{}, above 5 sigma", name_of(content)), observable);
+    print_tally(fmt::format("{}, below 5 sigma", name_of(content)), unobservable);
   }
 }
 
 int compare(int argc, char** argv) {
-  CLI::App app{"Pose of two views from 1000 pairs: error, time and model, beside OpenCV"};
+  CLI::App app{
+      "Two-view relative pose from 1000 pairs: error, run time and model test, compared with "
+      "OpenCV"};
   int seeds = 40;
   RelativePoseConfig config;
   app.add_option("--seeds", seeds)->check(CLI::PositiveNumber)->capture_default_str();

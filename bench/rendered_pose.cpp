@@ -1,6 +1,5 @@
-// Rotation and direction from two rendered images of a room: the hold paper's comparison of
-// detectors and associations repeated, and ours beside them. Every pair is cold: nothing is known
-// of the second image.
+// Rotation and direction error between two rendered images of a room: the hold paper's comparison
+// of detectors and associations, with Stillkite's method. Every pair is a cold start without prior.
 
 #include <fmt/core.h>
 
@@ -44,11 +43,11 @@ ReferenceConfig hold_paper_with(Detector detector, Association association,
 
 std::vector<Variant> variants() {
   const auto paper = hold_paper_with;
-  ReferenceConfig ours_by_opencv =
+  ReferenceConfig own_solver =
       paper(Detector::shi_tomasi, Association::opencv, EssentialMethod::ransac);
-  ours_by_opencv.solver = PoseSolver::own;
+  own_solver.solver = PoseSolver::own;
   return {
-      {"shi_tomasi, opencv LK, ransac (the paper's)",
+      {"shi_tomasi, opencv LK, ransac (hold paper)",
        paper(Detector::shi_tomasi, Association::opencv, EssentialMethod::ransac)},
       {"fast, opencv LK, ransac",
        paper(Detector::fast, Association::opencv, EssentialMethod::ransac)},
@@ -62,7 +61,7 @@ std::vector<Variant> variants() {
        paper(Detector::orb, Association::matching, EssentialMethod::ransac)},
       {"shi_tomasi, opencv LK, magsac",
        paper(Detector::shi_tomasi, Association::opencv, EssentialMethod::usac_magsac)},
-      {"shi_tomasi, opencv LK, own solver", ours_by_opencv},
+      {"shi_tomasi, opencv LK, own solver", own_solver},
       {"windows, own solver (recommended)", ReferenceConfig{}},
   };
 }
@@ -72,9 +71,9 @@ struct Pair {
   RigidTransform reference_from_camera;
 };
 
-// The camera of the trials somewhere over the middle of the room, moved by `way_m`.
-Pair make_pair_of_views(const PatchScene& scene, const PatchRenderer& renderer, double way_m,
-                        Random& random) {
+// Camera of the hover trials at a random position in the room, and displaced by `displacement_m`.
+Pair make_pair_of_views(const PatchScene& scene, const PatchRenderer& renderer,
+                        double displacement_m, Random& random) {
   const SimulatedCameraConfig camera = hover_camera();
   const RigidTransform mount = camera_raised_forward(camera.forward_tilt_deg);
   const auto body = [&](const Eigen::Vector3d& position_m, double yaw_rad) {
@@ -82,22 +81,23 @@ Pair make_pair_of_views(const PatchScene& scene, const PatchRenderer& renderer, 
   };
   const Eigen::Vector3d at(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1.2, 2.6));
   const double yaw_rad = random.uniform(-3.1, 3.1);
-  Eigen::Vector3d way(random.normal(), random.normal(), random.normal());
-  way *= way_m / way.norm();
+  Eigen::Vector3d displacement(random.normal(), random.normal(), random.normal());
+  displacement *= displacement_m / displacement.norm();
   const RigidTransform before = body(at, yaw_rad) * mount;
-  const RigidTransform after = body(at + way, yaw_rad + random.uniform(-4, 4) * kDegree) * mount;
+  const RigidTransform after =
+      body(at + displacement, yaw_rad + random.uniform(-4, 4) * kDegree) * mount;
   const auto image = [&](const RigidTransform& pose) {
     return develop(renderer.render(scene, pose), {.noise_grey = camera.noise_grey}, random.bits());
   };
   return {image(before), image(after), before.inverse() * after};
 }
 
-struct Outcome {
+struct PairResult {
   double rotation_deg = 180, direction_deg = 180, ms = 0;
-  bool answered = false;
+  bool valid = false;
 };
 
-Outcome compare(const Variant& variant, const Pair& pair) {
+PairResult compare(const Variant& variant, const Pair& pair) {
   const Camera lens = hover_camera().lens();
   NavigatorConfig config;
   config.reference = variant.config;
@@ -109,48 +109,50 @@ Outcome compare(const Variant& variant, const Pair& pair) {
   StopWatch watch;
   const NavigationEstimate estimate =
       navigator.step({.stamp = from_seconds(0.1), .index = 1, .grey = pair.current});
-  Outcome outcome{.ms = watch.lap_ms()};
+  PairResult result{.ms = watch.lap_ms()};
   const MotionEstimate& motion = estimate.reference->motion;
-  outcome.answered = motion.displacement_kind == DisplacementKind::direction;
-  if (!outcome.answered) return outcome;
-  outcome.rotation_deg =
+  result.valid = motion.displacement_kind == DisplacementKind::direction;
+  if (!result.valid) return result;
+  result.rotation_deg =
       angle_between_rad(motion.reference_from_camera, pair.reference_from_camera.rotation) /
       kDegree;
-  outcome.direction_deg =
+  result.direction_deg =
       angle_between_rad(motion.displacement_in_reference, pair.reference_from_camera.translation) /
       kDegree;
-  return outcome;
+  return result;
 }
 
-double quantile(std::vector<double> values, double share) {
+double quantile(std::vector<double> values, double probability) {
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  return values[static_cast<std::size_t>(probability * static_cast<double>(values.size() - 1))];
 }
 
 void print_row(const Variant& variant, const std::vector<Pair>& pairs) {
   std::vector<double> rotation, direction, ms;
-  int answered = 0;
+  int valid = 0;
   for (const Pair& pair : pairs) {
-    const Outcome outcome = compare(variant, pair);
-    rotation.push_back(outcome.rotation_deg);
-    direction.push_back(outcome.direction_deg);
-    ms.push_back(outcome.ms);
-    if (outcome.answered) ++answered;
+    const PairResult result = compare(variant, pair);
+    rotation.push_back(result.rotation_deg);
+    direction.push_back(result.direction_deg);
+    ms.push_back(result.ms);
+    if (result.valid) ++valid;
   }
   fmt::print("{:<46}{:>10.3f}{:>10.3f}{:>11.3f}{:>10.2f}{:>8}/{}{:>10.1f}\n", variant.name,
              quantile(rotation, 0.5), quantile(rotation, 0.9), quantile(direction, 0.5),
-             quantile(direction, 0.9), answered, pairs.size(), quantile(ms, 0.5));
+             quantile(direction, 0.9), valid, pairs.size(), quantile(ms, 0.5));
   std::fflush(stdout);
 }
 
 int run(int argc, char** argv) {
-  int count = 40;
+  int pair_count = 40;
   int seed = 1;
-  double way_m = 0.25;
-  CLI::App app("Pose between two rendered 800x480 images of a room, by the hold paper's variants");
-  app.add_option("--pairs", count, "images compared")->check(CLI::Range(1, 100000));
-  app.add_option("--seed", seed, "of room, places and noise");
-  app.add_option("--way-m", way_m, "between the two cameras; 0.25 is 5 to 8 % of the depth");
+  double displacement_m = 0.25;
+  CLI::App app(
+      "Relative pose between two rendered 800x480 images of a room, for the hold paper's variants");
+  app.add_option("--pairs", pair_count, "number of image pairs")->check(CLI::Range(1, 100000));
+  app.add_option("--seed", seed, "seed of room, positions and noise");
+  app.add_option("--way-m", displacement_m,
+                 "displacement between the two cameras, m; 0.25 is 5 to 8 % of the depth");
   CLI11_PARSE(app, argc, argv);
 
   cv::setNumThreads(1);
@@ -158,11 +160,11 @@ int run(int argc, char** argv) {
   const PatchRenderer renderer(hover_camera().lens(), hover_camera().supersampling);
   Random random(static_cast<std::uint64_t>(seed), 1);
   std::vector<Pair> pairs;
-  pairs.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i)
-    pairs.push_back(make_pair_of_views(scene, renderer, way_m, random));
+  pairs.reserve(static_cast<std::size_t>(pair_count));
+  for (int i = 0; i < pair_count; ++i)
+    pairs.push_back(make_pair_of_views(scene, renderer, displacement_m, random));
   fmt::print("{:<46}{:>10}{:>10}{:>11}{:>10}{:>10}{:>10}\n", "errors in degrees", "rotation",
-             "90 %", "direction", "90 %", "answers", "ms");
+             "90 %", "direction", "90 %", "valid", "ms");
   for (const Variant& variant : variants()) print_row(variant, pairs);
   return 0;
 }

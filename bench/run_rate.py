@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The rate of `stillkite run` on a video beside the rate at which OpenCV alone decodes that video.
+"""Frame rate of `stillkite run` on a video, compared with decoding alone by OpenCV.
 
-Alternates the two, so that other load of the machine meets both, and prints medians: frames a
-second, processor time a frame, peak memory. Goal: at least 0.9 of OpenCV's rate, or processor time
-at most its own + 4 ms a frame. Exit status 1 where neither holds.
+Alternates the two, so that other load of the machine affects both, and prints medians: frames/s, CPU
+time per frame, peak memory. Goal: at least 0.9 of OpenCV's rate, or CPU time at most OpenCV's + 4 ms
+per frame. Exit status 1 if neither is met.
 
   bench/run_rate.py flight/run.yaml flight/flight.mp4
 """
@@ -22,24 +22,24 @@ BUILD = ROOT / "build/release"
 
 
 def timed(arguments):
-    """(wall s, processor s, peak MiB, standard output) of a command that must succeed."""
+    """(wall s, CPU s, peak MiB, standard output) of a command; exits if it fails."""
     start = time.monotonic()
     child = subprocess.Popen([str(a) for a in arguments], stdout=subprocess.PIPE,
                              stderr=subprocess.DEVNULL, text=True)
-    answer = child.stdout.read()
+    output = child.stdout.read()
     _, status, usage = os.wait4(child.pid, 0)
     wall_s = time.monotonic() - start
     if status != 0:
-        sys.exit(f"run_rate: {arguments[0]} failed; try it by hand: {' '.join(map(str, arguments))}")
-    return wall_s, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, answer
+        sys.exit(f"run_rate: {arguments[0]} failed; run it by hand: {' '.join(map(str, arguments))}")
+    return wall_s, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, output
 
 
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("config", help="that `stillkite run` gets")
-    parser.add_argument("video", help="that it names")
-    parser.add_argument("--repeat", type=int, default=3, help="times each (default: 3)")
+    parser.add_argument("config", help="configuration for `stillkite run`")
+    parser.add_argument("video", help="video named in it")
+    parser.add_argument("--repeat", type=int, default=3, help="runs of each (default: 3)")
     options = parser.parse_args()
     runs = {"OpenCV decodes": [], "stillkite run": []}
     frames = 0
@@ -50,15 +50,15 @@ def main():
             runs["OpenCV decodes"].append(decoded)
             runs["stillkite run"].append(timed([BUILD / "app/stillkite", "run", options.config,
                                                 "--set", "output.overlay=false", "--out", folder + "/run"]))
-    rate, processor_ms = {}, {}
+    rate, cpu_ms = {}, {}
     print(f"{frames} frames, medians of {options.repeat}\n{'':18}{'frames/s':>10}{'CPU ms/frame':>14}{'peak MiB':>10}")
     for name, results in runs.items():
-        wall_s, processor_s, peak_mib = (statistics.median(r[i] for r in results) for i in range(3))
-        rate[name], processor_ms[name] = frames / wall_s, 1000 * processor_s / frames
-        print(f"{name:18}{rate[name]:10.1f}{processor_ms[name]:14.2f}{peak_mib:10.0f}")
+        wall_s, cpu_s, peak_mib = (statistics.median(r[i] for r in results) for i in range(3))
+        rate[name], cpu_ms[name] = frames / wall_s, 1000 * cpu_s / frames
+        print(f"{name:18}{rate[name]:10.1f}{cpu_ms[name]:14.2f}{peak_mib:10.0f}")
     ratio = rate["stillkite run"] / rate["OpenCV decodes"]
-    extra_ms = processor_ms["stillkite run"] - processor_ms["OpenCV decodes"]
-    print(f"rate {ratio:.2f} of OpenCV's (goal 0.9), or processor time {extra_ms:+.2f} ms a frame (goal +4)")
+    extra_ms = cpu_ms["stillkite run"] - cpu_ms["OpenCV decodes"]
+    print(f"rate {ratio:.2f} of OpenCV's (goal 0.9), CPU time {extra_ms:+.2f} ms per frame (goal +4)")
     sys.exit(0 if ratio >= 0.9 or extra_ms <= 4 else 1)
 
 

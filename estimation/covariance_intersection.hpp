@@ -4,14 +4,19 @@
 
 namespace stillkite {
 
+/// Estimate of a 3-vector: mean and error covariance.
 struct VectorEstimate {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-/// One value out of two estimates of it whose errors may share anything: no more sure than either
-/// allows (covariance intersection: Julier and Uhlmann 1997), weighed by the other's trace (Niehsen
-/// 2002). The sum of both covariances is positive definite.
+/// Fuses two estimates of one vector whose error correlation is unknown: covariance intersection
+/// (Julier and Uhlmann 1997),
+///
+///     P^-1 = w A^-1 + (1 - w) B^-1,   w = tr B / (tr A + tr B) (Niehsen 2002).
+///
+/// The result is consistent for any correlation of the two errors. Precondition: A + B is positive
+/// definite.
 [[nodiscard]] VectorEstimate covariance_intersection(const VectorEstimate& a,
                                                      const VectorEstimate& b);
 

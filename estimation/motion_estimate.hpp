@@ -13,6 +13,7 @@
 
 namespace stillkite {
 
+/// Estimator that produced an estimate.
 enum class EstimateSource { flow, reference, fused };
 template <>
 struct EnumNames<EstimateSource> {
@@ -22,11 +23,12 @@ struct EnumNames<EstimateSource> {
        {EstimateSource::fused, "fused"}});
 };
 
+/// Validity of an estimate.
 enum class EstimateStatus {
-  ok,
-  gated,      ///< measured, but too far from the last one to be believed at once
-  predicted,  ///< nothing was measured; inertia led there, as well as the covariance says
-  lost,       ///< nothing was measured: as last known, its covariance grown
+  ok,         ///< measured
+  gated,      ///< measured, but rejected by the rotation gate
+  predicted,  ///< no measurement; propagated by the IMU, covariance consistent
+  lost,       ///< no measurement; last estimate with inflated covariance
 };
 template <>
 struct EnumNames<EstimateStatus> {
@@ -37,11 +39,12 @@ struct EnumNames<EstimateStatus> {
        {EstimateStatus::lost, "lost"}});
 };
 
+/// Observability of the displacement between reference and current camera.
 enum class DisplacementKind {
   unknown,
-  zero,       ///< not told from none
-  direction,  ///< a unit vector, the length is not known
-  metric,     ///< metres
+  zero,       ///< not significantly different from zero
+  direction,  ///< unit vector; the length is not observable
+  metric,     ///< in metres
 };
 template <>
 struct EnumNames<DisplacementKind> {
@@ -52,26 +55,30 @@ struct EnumNames<DisplacementKind> {
        {DisplacementKind::metric, "metric"}});
 };
 
-/// What either estimator tells the controller: where the camera is, seen from where it should be.
+/// Relative pose of the camera to the reference pose, the controller's input.
+///
+/// Rotation covariances are those of a rotation vector in the reference frame, rad^2. Displacement
+/// covariances have the unit of the displacement squared.
 struct MotionEstimate {
-  Timestamp stamp;  ///< of the exposure
+  Timestamp stamp;  ///< time of exposure
   EstimateSource source = EstimateSource::reference;
   EstimateStatus status = EstimateStatus::lost;
 
   Eigen::Quaterniond reference_from_camera = Eigen::Quaterniond::Identity();
-  Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Zero();  ///< rotation vector, reference
+  Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Zero();
 
   DisplacementKind displacement_kind = DisplacementKind::unknown;
-  /// The camera's origin in the reference camera's frame.
+  /// Origin of the camera in the reference camera's frame.
   Eigen::Vector3d displacement_in_reference = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d displacement_covariance = Eigen::Matrix3d::Zero();  ///< 0: `zero`, `unknown`
+  /// Zero for the kinds `zero` and `unknown`.
+  Eigen::Matrix3d displacement_covariance = Eigen::Matrix3d::Zero();
 
-  double mean_shift_px = 0;  ///< mean length of the features' way from their reference place
-  double parallax_rad = 0;   ///< the way over the distance of what is seen
+  double mean_shift_px = 0;  ///< mean feature displacement from the reference image
+  double parallax_rad = 0;   ///< displacement over scene depth
 
-  std::optional<Twist> twist_in_camera;  ///< its velocity only where the displacement is metric
+  std::optional<Twist> twist_in_camera;  ///< velocity valid only for a metric displacement
   ScaleSource scale = ScaleSource::none;
-  double scale_age_s = 0;
+  double scale_age_s = 0;  ///< since the last scale measurement
 };
 
 }  // namespace stillkite

@@ -8,17 +8,19 @@
 
 namespace stillkite {
 
-/// Standard deviation by the median of the distances below a threshold; 0 where there are none.
-/// `sigma_of_median`: 1.4826 for the distance of one component, 0.8493 for that of two.
-[[nodiscard]] inline double scale_below(const std::vector<float>& distances, double threshold,
-                                        double sigma_of_median) {
-  std::vector<float> below;
-  below.reserve(distances.size());
+/// Robust standard deviation of inliers: `sigma_of_median` times the median of the distances below
+/// `threshold`. Returns 0 without inliers.
+///
+/// `sigma_of_median`: 1.4826 for distances of one component, 0.8493 for those of two.
+[[nodiscard]] inline double inlier_scale(const std::vector<float>& distances, double threshold,
+                                         double sigma_of_median) {
+  std::vector<float> inliers;
+  inliers.reserve(distances.size());
   for (const float d : distances) {
-    if (d < threshold) below.push_back(d);
+    if (d < threshold) inliers.push_back(d);
   }
-  if (below.empty()) return 0;
-  return sigma_of_median * static_cast<double>(upper_median(below));
+  if (inliers.empty()) return 0;
+  return sigma_of_median * static_cast<double>(upper_median(inliers));
 }
 
 }  // namespace stillkite

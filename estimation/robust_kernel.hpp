@@ -12,9 +12,8 @@
 
 namespace stillkite {
 
-/// Weights w of an M-estimator of the squared length d^2, d the length of a residual of two
-/// components in units of its standard deviation. The tuning constants keep 95 % of the efficiency
-/// on Gaussian noise.
+/// M-estimator kernels for a two-component residual of length d, in standard deviations. The tuning
+/// constants give 95 % efficiency on Gaussian noise.
 enum class RobustKernel { huber, tukey, geman_mcclure };
 
 template <>
@@ -25,12 +24,14 @@ struct EnumNames<RobustKernel> {
        {RobustKernel::geman_mcclure, "geman_mcclure"}});
 };
 
-/// w(d), and the mean derivative of the influence w(d) r over the two components: w + d w' / 2.
+/// Weight w(d) and slope w + d w' / 2, the derivative of the influence w(d) r averaged over the two
+/// components.
 struct RobustWeight {
   double weight;
   double slope;
 };
 
+/// Weight and slope at the squared distance d^2.
 [[nodiscard]] inline RobustWeight robust_weight(RobustKernel kernel, double squared_distance) {
   constexpr double kHuber = 1.5;
   constexpr double kTukey = 5.1;
@@ -54,7 +55,7 @@ struct RobustWeight {
   return {1, 1};
 }
 
-/// Median length of two standard normal components, sqrt(2 ln 2).
+/// Median of the Rayleigh distribution, sqrt(2 ln 2): length of two standard normal components.
 inline constexpr double kRayleighMedian = 1.1774100225154747;
 
 }  // namespace stillkite

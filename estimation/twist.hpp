@@ -7,11 +7,12 @@
 
 namespace stillkite {
 
-/// Linear and angular velocity of the camera, both expressed in the camera frame.
+/// Linear velocity v and angular rate w of a camera, both in the camera frame.
 struct Twist {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_rate_rad_s = Eigen::Vector3d::Zero();
 
+  /// (v, w).
   [[nodiscard]] Vector6d vector() const {
     Vector6d v;
     v << velocity_m_s, angular_rate_rad_s;
@@ -20,7 +21,8 @@ struct Twist {
   [[nodiscard]] static Twist from_vector(const Vector6d& v) { return {v.head<3>(), v.tail<3>()}; }
 };
 
-/// The camera's motion half way between the frame before and the one at `stamp`.
+/// Mean twist over a frame interval, in the camera frame at its middle. `stamp`: end of the
+/// interval.
 struct StampedTwist {
   Timestamp stamp;
   Twist twist;

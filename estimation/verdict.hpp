@@ -8,19 +8,21 @@
 
 namespace stillkite {
 
-/// What one frame's answer is worth. Only `ok` carries a measurement of this frame; every other
-/// verdict but `first_frame` predicts, and its covariance grows.
+/// Status of one frame.
+///
+/// `ok`: the frame was measured. `first_frame`: initial pose. Every other verdict: the pose is
+/// predicted and its covariance grows.
 enum class Verdict {
   ok,
-  first_frame,         ///< nothing to compare with yet
-  too_little_texture,  ///< black, white, blurred or bare: the windows know too little
-  too_few_inliers,     ///< no one motion explains the windows (moving water, traffic)
-  ill_conditioned,     ///< some direction of motion is not observable
+  first_frame,         ///< no previous frame
+  too_little_texture,  ///< too few textured tiles: dark, saturated, blurred or uniform image
+  too_few_inliers,     ///< no single motion fits (moving water, traffic)
+  ill_conditioned,     ///< a direction of motion is not observable
   horizon,             ///< too little ground below the horizon
-  frozen,              ///< the same image again
+  frozen,              ///< image repeated
   lost,                ///< the alignment did not converge
-  time_gap,            ///< stamps not ascending, or too far apart to predict across
-  gated,               ///< the rotation from the reference changed faster than is believed
+  time_gap,            ///< stamps not ascending, or gap too long to predict across
+  gated,               ///< rotation to the reference rejected by the rate gate
 };
 
 template <>
@@ -38,12 +40,12 @@ struct EnumNames<Verdict> {
        {Verdict::gated, "gated"}});
 };
 
-/// The pose of that frame is known, not predicted.
+/// True if the frame's pose is measured or given, not predicted.
 [[nodiscard]] constexpr bool is_measured(Verdict verdict) {
   return verdict == Verdict::ok || verdict == Verdict::first_frame;
 }
 
-/// Where the metres come from.
+/// Source of the metric scale.
 enum class ScaleSource { none, initial_height, range, barometer, imu };
 
 template <>

@@ -6,7 +6,7 @@
 namespace stillkite {
 namespace {
 
-/// Of the positions: centroids, cross covariance (truth, estimate), variances.
+/// Moments of the positions: centroids, cross covariance (truth, estimate), variances.
 struct Moments {
   Eigen::Vector3d estimate_mean = Eigen::Vector3d::Zero();
   Eigen::Vector3d truth_mean = Eigen::Vector3d::Zero();
@@ -32,21 +32,21 @@ Moments moments(std::span<const PosePair> pairs) {
   return m;
 }
 
-/// Below this share of the largest singular value, or of the way from the origin, an extent is
-/// rounding.
-constexpr double kRounding = 1e-9;
+/// Minimum extent over the largest singular value, or over the distance from the origin; smaller
+/// values are rounding errors.
+constexpr double kMinRelativeExtent = 1e-9;
 
-/// What stands still has neither direction nor scale.
-bool both_move(const Moments& m) {
-  return std::sqrt(m.estimate_variance) > kRounding * m.estimate_mean.norm() &&
-         std::sqrt(m.truth_variance) > kRounding * m.truth_mean.norm();
+/// Constant positions determine neither rotation nor scale.
+bool have_extent(const Moments& m) {
+  return std::sqrt(m.estimate_variance) > kMinRelativeExtent * m.estimate_mean.norm() &&
+         std::sqrt(m.truth_variance) > kMinRelativeExtent * m.truth_mean.norm();
 }
 
 std::optional<Similarity> umeyama(const Moments& m, bool with_scale) {
-  if (!both_move(m)) return std::nullopt;
+  if (!have_extent(m)) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m.cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d& d = svd.singularValues();
-  if (!(d(1) > kRounding * d(0))) return std::nullopt;
+  if (!(d(1) > kMinRelativeExtent * d(0))) return std::nullopt;
   Eigen::Vector3d s = Eigen::Vector3d::Ones();
   if ((svd.matrixU() * svd.matrixV()).determinant() < 0) s(2) = -1;
   const Eigen::Matrix3d R = svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose();
@@ -56,11 +56,11 @@ std::optional<Similarity> umeyama(const Moments& m, bool with_scale) {
                               .translation = m.truth_mean - scale * (R * m.estimate_mean)}};
 }
 
-std::optional<Similarity> turn_about_vertical(const Moments& m) {
-  if (!both_move(m)) return std::nullopt;
+std::optional<Similarity> yaw_alignment(const Moments& m) {
+  if (!have_extent(m)) return std::nullopt;
   const double sine = m.cross(1, 0) - m.cross(0, 1);
   const double cosine = m.cross(0, 0) + m.cross(1, 1);
-  if (!(std::hypot(sine, cosine) > kRounding * m.estimate_variance)) return std::nullopt;
+  if (!(std::hypot(sine, cosine) > kMinRelativeExtent * m.estimate_variance)) return std::nullopt;
   const Eigen::Quaterniond rotation(
       Eigen::AngleAxisd(std::atan2(sine, cosine), Eigen::Vector3d::UnitZ()));
   return Similarity{
@@ -77,7 +77,7 @@ std::optional<Similarity> best_alignment(std::span<const PosePair> pairs, Alignm
     case Alignment::origin:
       return Similarity{.rigid = pairs.front().truth * pairs.front().estimate.inverse()};
     case Alignment::yaw:
-      return turn_about_vertical(moments(pairs));
+      return yaw_alignment(moments(pairs));
     case Alignment::se3:
       return umeyama(moments(pairs), false);
     case Alignment::sim3:

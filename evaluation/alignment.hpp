@@ -12,13 +12,13 @@
 
 namespace stillkite {
 
-/// How an estimate is laid onto the truth before its error is taken.
+/// Alignment of an estimate to the truth before the error is computed.
 enum class Alignment {
   none,
-  origin,  ///< the first pair coincides
-  yaw,     ///< best turn about the vertical and best translation, 4 degrees of freedom
-  se3,     ///< best rigid motion
-  sim3,    ///< best rigid motion and scale
+  origin,  ///< pose of the first pair
+  yaw,     ///< rotation about the vertical and translation, 4 degrees of freedom
+  se3,     ///< rigid motion, 6 degrees of freedom
+  sim3,    ///< rigid motion and scale, 7 degrees of freedom
 };
 
 template <>
@@ -31,21 +31,21 @@ struct EnumNames<Alignment> {
                                                              {Alignment::sim3, "sim3"}});
 };
 
-/// x' = scale * rotation * x + translation, from the estimate's world to the truth's.
+/// Maps the estimate's world to the truth's: x' = scale * rotation * x + translation.
 struct Similarity {
   double scale = 1;
   RigidTransform rigid;
 };
 
-/// Least squares on the positions (Umeyama, PAMI 13(4), 1991). Nothing when they leave the answer
-/// open: no pair, for yaw no horizontal extent, for se3 and sim3 all on one line.
+/// Least squares on the positions (Umeyama, PAMI 13(4), 1991). std::nullopt if underdetermined: no
+/// pair; yaw without horizontal extent; se3 and sim3 with collinear positions.
 [[nodiscard]] std::optional<Similarity> best_alignment(std::span<const PosePair> pairs,
                                                        Alignment alignment);
 
 [[nodiscard]] RigidTransform apply(const Similarity& similarity,
                                    const RigidTransform& world_from_body);
 
-/// The pairs with their estimates laid onto the truth.
+/// Pairs with the similarity applied to the estimates.
 [[nodiscard]] std::vector<PosePair> aligned(std::span<const PosePair> pairs,
                                             const Similarity& similarity);
 

@@ -6,22 +6,24 @@
 
 namespace stillkite {
 
-/// e^T P^-1 e, the normalised estimation error squared (Bar-Shalom et al., 2001, eq. 5.4.2-1);
-/// nothing where P is not positive definite (a state that is known exactly).
+/// Normalized estimation error squared e^T P^-1 e (Bar-Shalom et al., 2001, eq. 5.4.2-1).
+/// std::nullopt if P is not positive definite.
 [[nodiscard]] std::optional<double> nees(const Eigen::Vector3d& error,
                                          const Eigen::Matrix3d& covariance);
 
-/// Whether a covariance is honest: the mean of its NEES is the degrees of freedom.
+/// Covariance consistency: a consistent covariance has a mean NEES of `degrees_of_freedom`.
 struct Consistency {
   int samples = 0;
   int degrees_of_freedom = 0;
   double mean = 0;
-  double mean_low = 0;      ///< two-sided 95 % band of the mean of honest *independent* samples:
-  double mean_high = 0;     ///< runs of different seeds are, the frames of one run are not
-  double share_inside = 0;  ///< of the samples, below their 95 % quantile: 0.95 when honest
+  /// Two-sided 95 % interval of the mean for independent samples (runs of different seeds; the
+  /// frames of one run are correlated).
+  double mean_low = 0;
+  double mean_high = 0;
+  double share_inside = 0;  ///< share below the 95 % quantile; 0.95 if consistent
 };
 
-/// Nothing of no samples.
+/// std::nullopt without samples.
 [[nodiscard]] std::optional<Consistency> consistency(std::span<const double> nees_samples,
                                                      int degrees_of_freedom);
 

@@ -7,7 +7,7 @@
 namespace stillkite {
 namespace {
 
-bool can_be_judged(const TwistPair& pair, Eigen::Vector3d Twist::*part) {
+bool is_comparable(const TwistPair& pair, Eigen::Vector3d Twist::*part) {
   return pair.is_metric || part == &Twist::angular_rate_rad_s;
 }
 
@@ -16,20 +16,20 @@ std::optional<VectorError> twist_error(std::span<const TwistPair> pairs,
   std::vector<Eigen::Vector3d> estimate;
   std::vector<Eigen::Vector3d> truth;
   for (const TwistPair& pair : pairs) {
-    if (!can_be_judged(pair, part)) continue;
+    if (!is_comparable(pair, part)) continue;
     estimate.push_back(pair.estimate.*part);
     truth.push_back(pair.truth.*part);
   }
   return vector_error(estimate, truth);
 }
 
-std::optional<Consistency> twist_consistency(std::span<const JudgedMotion> estimates,
+std::optional<Consistency> twist_consistency(std::span<const EvaluatedMotion> estimates,
                                              std::span<const TwistPair> pairs,
                                              Eigen::Vector3d Twist::*part, Eigen::Index offset) {
   std::vector<double> samples;
   for (const TwistPair& pair : pairs) {
     const std::optional<Matrix6d>& P = estimates[pair.index].twist_covariance;
-    if (!P || !can_be_judged(pair, part)) continue;
+    if (!P || !is_comparable(pair, part)) continue;
     const Eigen::Matrix3d block = P->block<3, 3>(offset, offset);
     const auto value = nees(pair.estimate.*part - pair.truth.*part, block);
     if (value) samples.push_back(*value);
@@ -41,7 +41,7 @@ struct PoseNees {
   std::vector<double> position, attitude;
 };
 
-PoseNees pose_nees(std::span<const JudgedMotion> estimates, std::span<const PosePair> pairs) {
+PoseNees pose_nees(std::span<const EvaluatedMotion> estimates, std::span<const PosePair> pairs) {
   PoseNees samples;
   for (const PosePair& pair : pairs) {
     const auto& P = estimates[pair.index].pose_covariance;
@@ -62,20 +62,20 @@ std::optional<double> drift_percent(const std::optional<PositionError>& error,
   return 100 * std::hypot(error->end->horizontal_m, error->end->vertical_m) / path_length_m;
 }
 
-bool is_in_metres(ScaleSource scale) {
+bool is_metric_source(ScaleSource scale) {
   return scale != ScaleSource::none && scale != ScaleSource::imu;
 }
 
 }  // namespace
 
-std::vector<JudgedMotion> judged_motions(std::span<const NavigationEstimate> estimates) {
-  std::vector<JudgedMotion> result;
+std::vector<EvaluatedMotion> evaluated_motions(std::span<const NavigationEstimate> estimates) {
+  std::vector<EvaluatedMotion> result;
   result.reserve(estimates.size());
   for (const NavigationEstimate& estimate : estimates) {
-    JudgedMotion motion{.stamp = estimate.stamp,
-                        .world_from_body = estimate.world_from_body,
-                        .is_metric = is_in_metres(estimate.scale),
-                        .pose_covariance = estimate.pose_covariance};
+    EvaluatedMotion motion{.stamp = estimate.stamp,
+                           .world_from_body = estimate.world_from_body,
+                           .is_metric = is_metric_source(estimate.scale),
+                           .pose_covariance = estimate.pose_covariance};
     if (estimate.verdict != Verdict::first_frame) {
       motion.twist_in_camera = estimate.twist_in_camera;
       motion.twist_covariance = estimate.twist_covariance;
@@ -85,11 +85,11 @@ std::vector<JudgedMotion> judged_motions(std::span<const NavigationEstimate> est
   return result;
 }
 
-std::vector<PosePair> matched_poses(std::span<const JudgedMotion> estimates, const Truth& truth,
+std::vector<PosePair> matched_poses(std::span<const EvaluatedMotion> estimates, const Truth& truth,
                                     double tolerance_s) {
   std::vector<StampedPose> poses;
   poses.reserve(estimates.size());
-  for (const JudgedMotion& estimate : estimates) {
+  for (const EvaluatedMotion& estimate : estimates) {
     poses.push_back({estimate.stamp, estimate.world_from_body});
   }
   std::vector<PosePair> pairs = associate(poses, truth.poses, tolerance_s);
@@ -97,8 +97,8 @@ std::vector<PosePair> matched_poses(std::span<const JudgedMotion> estimates, con
   return pairs;
 }
 
-std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses) {
-  std::vector<JudgedMotion> result;
+std::vector<EvaluatedMotion> evaluated_motions(std::span<const StampedPose> poses) {
+  std::vector<EvaluatedMotion> result;
   result.reserve(poses.size());
   for (const StampedPose& pose : poses) {
     result.push_back({.stamp = pose.stamp, .world_from_body = pose.world_from_body});
@@ -106,13 +106,13 @@ std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses) {
   return result;
 }
 
-Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
+Evaluation evaluate(std::span<const EvaluatedMotion> estimates, const Truth& truth,
                     const EvaluationOptions& options) {
-  // 1. The stamps that both know.
+  // 1. Associate by stamp.
   const std::vector<PosePair> raw = matched_poses(estimates, truth, options.tolerance_s);
   Evaluation result{.matched = static_cast<int>(raw.size()), .path_length_m = path_length_m(raw)};
 
-  // 2. Poses, once the estimate lies on the truth.
+  // 2. Pose errors after alignment.
   result.alignment = best_alignment(raw, options.alignment);
   const std::vector<PosePair> pairs = aligned(raw, result.alignment.value_or(Similarity{}));
   if (result.alignment) {
@@ -124,13 +124,13 @@ Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
     }
   }
 
-  // 3. Velocities and rates, which need no alignment but the scale's.
+  // 3. Velocity and angular-rate errors; only the scale of the alignment applies.
   const double scale = result.alignment.value_or(Similarity{}).scale;
   const std::vector<TwistPair> twists = twist_pairs(estimates, pairs, truth, options, scale);
   result.velocity = twist_error(twists, &Twist::velocity_m_s);
   result.angular_rate = twist_error(twists, &Twist::angular_rate_rad_s);
 
-  // 4. Whether the covariances were honest; those of the pose are about errors without alignment.
+  // 4. Covariance consistency; pose covariances refer to unaligned errors.
   if (options.alignment == Alignment::none) {
     const PoseNees samples = pose_nees(estimates, pairs);
     result.nees.position = consistency(samples.position, 3);

@@ -15,55 +15,55 @@
 
 namespace stillkite {
 
-/// What an estimator says about one moment, as far as it says it.
-struct JudgedMotion {
+/// Estimate of one frame under evaluation.
+struct EvaluatedMotion {
   Timestamp stamp;
   RigidTransform world_from_body;
-  bool is_metric = true;                     ///< false: its lengths are not metres
-  std::optional<Twist> twist_in_camera;      ///< else the difference of neighbouring poses
+  bool is_metric = true;                     ///< false: no metric scale
+  std::optional<Twist> twist_in_camera;      ///< else differenced from neighbouring poses
   std::optional<Matrix6d> pose_covariance;   ///< (translation, rotation vector), both in world
   std::optional<Matrix6d> twist_covariance;  ///< (velocity, angular rate), in the camera
 };
 
-/// All of a run's frames; the first one's twist is left out, nothing was measured yet. Each is
-/// metric by its own scale: an IMU tells metres midway, and not how high the flight began.
-[[nodiscard]] std::vector<JudgedMotion> judged_motions(
+/// All frames of a run; the first frame has no twist. `is_metric` per frame from its scale source;
+/// false for `none` and `imu`: the IMU scale converges in flight, without the initial height.
+[[nodiscard]] std::vector<EvaluatedMotion> evaluated_motions(
     std::span<const NavigationEstimate> estimates);
 
-/// Poses alone, as a trajectory file has them.
-[[nodiscard]] std::vector<JudgedMotion> judged_motions(std::span<const StampedPose> poses);
+/// Poses without twists and covariances, as in a trajectory file.
+[[nodiscard]] std::vector<EvaluatedMotion> evaluated_motions(std::span<const StampedPose> poses);
 
-/// The estimates that have a true pose.
-[[nodiscard]] std::vector<PosePair> matched_poses(std::span<const JudgedMotion> estimates,
+/// Estimates with a true pose.
+[[nodiscard]] std::vector<PosePair> matched_poses(std::span<const EvaluatedMotion> estimates,
                                                   const Truth& truth, double tolerance_s);
 
 struct EvaluationOptions {
-  double tolerance_s = 0.01;  ///< between an estimate and the nearest truth
+  double tolerance_s = 0.01;  ///< maximum time difference of an estimate to the nearest truth
   Alignment alignment = Alignment::none;
   RigidTransform body_from_camera;
 };
 
-/// An estimate's errors. Nothing stands where nothing is known.
+/// Errors of an estimate. An optional is empty if estimate or truth lacks the quantity.
 struct Evaluation {
   int matched = 0;
-  double path_length_m = 0;             ///< of the truth, through the matched stamps
-  std::optional<Similarity> alignment;  ///< nothing: it is not determined, no pose errors then
+  double path_length_m = 0;             ///< length of the true path through the matched stamps
+  std::optional<Similarity> alignment;  ///< empty if underdetermined: then no pose errors
   std::optional<TrajectoryError> trajectory;
   std::optional<double> drift_percent;      ///< 100 x 3-D end error / path length
-  std::optional<RelativeError> per_frame;   ///< relative error from one matched frame to the next
-  std::optional<RelativeError> per_tenth;   ///< over a tenth of the path
+  std::optional<RelativeError> per_frame;   ///< between consecutive matched frames
+  std::optional<RelativeError> per_tenth;   ///< over 10 % of the path
   std::optional<VectorError> velocity;      ///< m/s, in the camera
   std::optional<VectorError> angular_rate;  ///< rad/s, in the camera
-  std::optional<ReferenceError> reference;  ///< not by `evaluate`: of a run with such an estimator
+  std::optional<ReferenceError> reference;  ///< not set by `evaluate`
   struct {
     std::optional<Consistency> position, attitude, velocity, angular_rate;
   } nees;
 };
 
-/// Velocities are compared half way between a frame and the one before it: with
-/// `truth.twists_in_camera` where it has any, else with the difference of the true poses. Of an
-/// estimate that is not metric only attitude and angular rate are judged.
-[[nodiscard]] Evaluation evaluate(std::span<const JudgedMotion> estimates, const Truth& truth,
+/// Velocities are compared half way between a frame and the one before it, to
+/// `truth.twists_in_camera` if not empty, else to differenced true poses. Non-metric estimates
+/// contribute attitude and angular rate only.
+[[nodiscard]] Evaluation evaluate(std::span<const EvaluatedMotion> estimates, const Truth& truth,
                                   const EvaluationOptions& options = {});
 
 }  // namespace stillkite

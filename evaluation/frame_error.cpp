@@ -17,7 +17,7 @@ const std::optional<double>& figure_of(const FrameError& error, FrameFigure figu
 
 }  // namespace
 
-std::vector<FrameError> frame_errors(std::span<const JudgedMotion> estimates, const Truth& truth,
+std::vector<FrameError> frame_errors(std::span<const EvaluatedMotion> estimates, const Truth& truth,
                                      const EvaluationOptions& options) {
   std::vector<FrameError> errors(estimates.size());
   const std::vector<PosePair> poses = matched_poses(estimates, truth, options.tolerance_s);

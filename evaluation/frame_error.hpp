@@ -12,7 +12,7 @@
 
 namespace stillkite {
 
-/// What one frame's answer can be wrong in; the names end in the unit of the error's magnitude.
+/// Quantity of a frame error; the names end in the unit.
 enum class FrameFigure { position, velocity, attitude, angular_rate };
 
 template <>
@@ -24,24 +24,22 @@ struct EnumNames<FrameFigure> {
        {FrameFigure::angular_rate, "angular_rate_rad_s"}});
 };
 
-/// Magnitudes of one frame's errors, by FrameFigure; nothing where estimate or truth does not know.
+/// Error magnitudes of one frame by FrameFigure; empty if estimate or truth lacks the quantity.
 using FrameError = std::array<std::optional<double>, EnumNames<FrameFigure>::value.size()>;
 
-/// One for each estimate, without alignment and by the rules of `evaluate`: velocities half way
-/// between the frame before and this one, in the camera; of an estimate that is not metric only
-/// attitude and angular rate.
-[[nodiscard]] std::vector<FrameError> frame_errors(std::span<const JudgedMotion> estimates,
+/// One FrameError per estimate, without alignment, by the rules of `evaluate`: velocities half way
+/// between consecutive frames, in the camera; attitude and angular rate only if not metric.
+[[nodiscard]] std::vector<FrameError> frame_errors(std::span<const EvaluatedMotion> estimates,
                                                    const Truth& truth,
                                                    const EvaluationOptions& options = {});
 
-/// Mean of a figure over the frames that have it; nothing without any.
+/// Mean over the frames that have the quantity; std::nullopt without any.
 [[nodiscard]] std::optional<double> mean_error(std::span<const FrameError> errors,
                                                FrameFigure figure);
 
-/// By how much the first estimator's error is greater than the second's on average, frame by frame
-/// over those that both know; a test of equal accuracy in the sense of Diebold and Mariano (Journal
-/// of Business & Economic Statistics 13(3), 1995) with the interval of batch means. Both spans
-/// begin with the same frame. Nothing of less than twenty frames.
+/// Mean paired difference errors - others, over the frames that have both: test of equal accuracy
+/// (Diebold and Mariano, Journal of Business & Economic Statistics 13(3), 1995) with the
+/// batch-means interval. Both spans begin with the same frame. std::nullopt below 20 frames.
 [[nodiscard]] std::optional<MeanInterval> paired_difference(std::span<const FrameError> errors,
                                                             std::span<const FrameError> others,
                                                             FrameFigure figure);

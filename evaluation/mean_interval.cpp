@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kConfidence = 0.95;
 constexpr std::size_t kBatches = 10;
-constexpr std::size_t kShortBatches = 20;  // ten would let one random walk in six pass
+constexpr std::size_t kTestBatches = 20;  // ten accept one random walk in six
 
 double mean_of(std::span<const double> samples) {
   return std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
@@ -38,14 +38,14 @@ std::vector<double> batch_means(std::span<const double> samples, std::size_t bat
 MeanInterval interval_about(double mean, std::span<const double> independent) {
   const auto n = static_cast<int>(independent.size());
   const double error = std::sqrt(squared_deviations(independent) / (n - 1) / n);
-  const double reach = student_t_reach(kConfidence, n - 1) * error;
-  return {.samples = n, .mean = mean, .low = mean - reach, .high = mean + reach};
+  const double half_width = student_t_two_sided_quantile(kConfidence, n - 1) * error;
+  return {.samples = n, .mean = mean, .low = mean - half_width, .high = mean + half_width};
 }
 
-/// C = 1 - sum (x_i - x_i+1)^2 / (2 sum (x_i - mean)^2); of n independent normal samples its mean
-/// is 0 and its variance (n - 2) / (n^2 - 1).
-bool neighbours_are_alike(std::span<const double> samples) {
-  constexpr double kOneSidedFivePercent = 1.645;
+/// Young's statistic C = 1 - sum (x_i - x_i+1)^2 / (2 sum (x_i - mean)^2): mean 0 and variance
+/// (n - 2) / (n^2 - 1) for n independent normal samples.
+bool is_serially_correlated(std::span<const double> samples) {
+  constexpr double kNormalQuantile95 = 1.645;
   const auto n = static_cast<double>(samples.size());
   const double spread = squared_deviations(samples);
   const double rounding = 1e-12 * std::abs(mean_of(samples));
@@ -54,7 +54,7 @@ bool neighbours_are_alike(std::span<const double> samples) {
   for (std::size_t i = 1; i < samples.size(); ++i) {
     steps += (samples[i] - samples[i - 1]) * (samples[i] - samples[i - 1]);
   }
-  return 1 - steps / (2 * spread) > kOneSidedFivePercent * std::sqrt((n - 2) / (n * n - 1));
+  return 1 - steps / (2 * spread) > kNormalQuantile95 * std::sqrt((n - 2) / (n * n - 1));
 }
 
 }  // namespace
@@ -65,10 +65,10 @@ std::optional<MeanInterval> independent_mean_interval(std::span<const double> sa
 }
 
 std::optional<MeanInterval> correlated_mean_interval(std::span<const double> samples) {
-  if (samples.size() < kShortBatches) return std::nullopt;
+  if (samples.size() < kTestBatches) return std::nullopt;
   MeanInterval result = interval_about(mean_of(samples), batch_means(samples, kBatches));
   result.samples = static_cast<int>(samples.size());
-  result.is_reliable = !neighbours_are_alike(batch_means(samples, kShortBatches));
+  result.is_reliable = !is_serially_correlated(batch_means(samples, kTestBatches));
   return result;
 }
 

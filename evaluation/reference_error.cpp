@@ -11,8 +11,8 @@
 namespace stillkite {
 namespace {
 
-// Of a way shorter than this the truth itself has no direction.
-constexpr double kShortestWay_m = 1e-3;
+// Minimum true displacement with a defined direction.
+constexpr double kMinDisplacement_m = 1e-3;
 
 struct ReferenceSamples {
   std::vector<double> rotation_deg, direction_deg, displacement_squared_m2;
@@ -24,13 +24,13 @@ std::optional<double> median_of(std::vector<double> values) {
   return median(std::move(values));
 }
 
-void add_direction(const MotionEstimate& motion, const Eigen::Vector3d& true_way_m,
+void add_direction(const MotionEstimate& motion, const Eigen::Vector3d& true_displacement_m,
                    ReferenceSamples& samples) {
   const Eigen::Vector3d found = motion.displacement_in_reference.normalized();
-  const Eigen::Vector3d truth = true_way_m.normalized();
+  const Eigen::Vector3d truth = true_displacement_m.normalized();
   samples.direction_deg.push_back(angle_between_rad(found, truth) / kDegree);
   if (motion.displacement_kind != DisplacementKind::direction) return;
-  // a unit vector errs across itself only: along it any variance will do
+  // error orthogonal to the unit vector; any variance along it
   const Eigen::Vector3d error = found - truth * found.dot(truth);
   const auto value = nees(error, motion.displacement_covariance + truth * truth.transpose());
   if (value) samples.direction_nees.push_back(*value);
@@ -38,20 +38,22 @@ void add_direction(const MotionEstimate& motion, const Eigen::Vector3d& true_way
 
 void add_pose(const MotionEstimate& motion, const RigidTransform& true_reference_from_camera,
               ReferenceSamples& samples) {
-  const Eigen::Vector3d turn =
+  const Eigen::Vector3d rotation_error =
       so3_log(motion.reference_from_camera * true_reference_from_camera.rotation.conjugate());
-  samples.rotation_deg.push_back(turn.norm() / kDegree);
-  if (const auto value = nees(turn, motion.rotation_covariance)) {
+  samples.rotation_deg.push_back(rotation_error.norm() / kDegree);
+  if (const auto value = nees(rotation_error, motion.rotation_covariance)) {
     samples.rotation_nees.push_back(*value);
   }
-  const Eigen::Vector3d& way_m = true_reference_from_camera.translation;
+  const Eigen::Vector3d& displacement_m = true_reference_from_camera.translation;
   const bool is_metric = motion.displacement_kind == DisplacementKind::metric;
   if (is_metric) {
     samples.displacement_squared_m2.push_back(
-        (motion.displacement_in_reference - way_m).squaredNorm());
+        (motion.displacement_in_reference - displacement_m).squaredNorm());
   }
   const bool has_direction = is_metric || motion.displacement_kind == DisplacementKind::direction;
-  if (has_direction && way_m.norm() > kShortestWay_m) add_direction(motion, way_m, samples);
+  if (has_direction && displacement_m.norm() > kMinDisplacement_m) {
+    add_direction(motion, displacement_m, samples);
+  }
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ std::optional<ReferenceError> reference_error(std::span<const NavigationEstimate
                                               double tolerance_s) {
   ReferenceSamples samples;
   for (const NavigationEstimate& estimate : estimates) {
-    // whoever has answered; not a new reference about itself
+    // excludes a new reference relative to itself
     if (!estimate.reference || estimate.reference->motion.status != EstimateStatus::ok ||
         estimate.reference->reference_stamp == estimate.stamp) {
       continue;

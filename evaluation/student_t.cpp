@@ -24,7 +24,7 @@ double student_t_probability(double t, int degrees_of_freedom) {
   return 2 / std::numbers::pi * (angle_rad + std::sin(angle_rad) * std::cos(angle_rad) * sum);
 }
 
-double student_t_reach(double confidence, int degrees_of_freedom) {
+double student_t_two_sided_quantile(double confidence, int degrees_of_freedom) {
   assert(confidence > 0 && confidence < 1);
   double low = 0;
   double high = 1;

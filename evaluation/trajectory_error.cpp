@@ -15,7 +15,7 @@ double twist_about_vertical_rad(const Eigen::Quaterniond& rotation) {
   return wrap_angle_rad(2 * std::atan2(rotation.z(), rotation.w()));
 }
 
-/// True path length at every pair, m.
+/// True path length from the first pair to every pair, m.
 std::vector<double> arc_lengths_m(std::span<const PosePair> pairs) {
   std::vector<double> lengths(pairs.size(), 0.0);
   for (std::size_t i = 1; i < pairs.size(); ++i) {

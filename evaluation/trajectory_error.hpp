@@ -9,40 +9,40 @@ namespace stillkite {
 
 struct EndError {
   double horizontal_m = 0;
-  double vertical_m = 0;  ///< magnitude
+  double vertical_m = 0;  ///< absolute value
 };
 
-/// Of the pairs in metres.
+/// Position error over the metric pairs.
 struct PositionError {
   double rmse_m = 0;  ///< absolute trajectory error (ATE), 3-D
   double max_m = 0;
-  std::optional<EndError> end;  ///< nothing: the last pair is in no metres
+  std::optional<EndError> end;  ///< empty if the last pair is not metric
 };
 
 /// Absolute error of a trajectory, estimate minus truth, in the world.
 struct TrajectoryError {
-  std::optional<PositionError> position;  ///< nothing: no pair is in metres
-  double tilt_rmse_rad = 0;               ///< between the two verticals
-  double yaw_rmse_rad = 0;                ///< the twist about the vertical of estimate * truth^-1
+  std::optional<PositionError> position;  ///< empty without metric pairs
+  double tilt_rmse_rad = 0;               ///< angle between the two verticals
+  double yaw_rmse_rad = 0;                ///< twist of estimate * truth^-1 about the vertical
 };
-/// Nothing of no pairs.
+/// std::nullopt without pairs.
 [[nodiscard]] std::optional<TrajectoryError> trajectory_error(std::span<const PosePair> pairs);
 
 /// Length of the true path through the pairs, m.
 [[nodiscard]] double path_length_m(std::span<const PosePair> pairs);
 
-/// Relative pose error (Sturm et al., IROS 2012): of the motions between pairs a step apart,
-/// truth^-1 * estimate. Those between pairs of which one is in no metres are left out.
+/// Relative pose error (Sturm et al., IROS 2012): truth^-1 * estimate of the motions over one step.
+/// Only steps between two metric pairs count.
 struct RelativeError {
   int count = 0;
   double translation_rmse_m = 0;
   double rotation_rmse_rad = 0;
-  double mean_length_m = 0;  ///< of the true path over one step
+  double mean_length_m = 0;  ///< mean true path length of a step
 };
-/// Steps of a number of pairs; nothing without one. `frames` > 0.
+/// Steps of `frames` > 0 pairs; std::nullopt without a step.
 [[nodiscard]] std::optional<RelativeError> relative_error_over_frames(
     std::span<const PosePair> pairs, int frames);
-/// Steps of a length of the true path; nothing without one. `distance_m` > 0.
+/// Steps of `distance_m` > 0 along the true path; std::nullopt without a step.
 [[nodiscard]] std::optional<RelativeError> relative_error_over_distance(
     std::span<const PosePair> pairs, double distance_m);
 

@@ -5,15 +5,15 @@
 
 namespace stillkite {
 
-/// The figures of the hold paper's Table I, of any signed quantity and in its unit.
+/// Statistics of the hold paper's Table I for a signed quantity, in its unit.
 struct SignedStatistics {
   int samples = 0;
-  double mean = 0;       ///< of the absolute value
-  double deviation = 0;  ///< standard, of the signed value
-  double max = 0;        ///< of the absolute value
+  double mean = 0;       ///< mean absolute value
+  double deviation = 0;  ///< standard deviation of the signed value
+  double max = 0;        ///< maximum absolute value
 };
 
-/// Nothing of no samples.
+/// std::nullopt without samples.
 [[nodiscard]] std::optional<SignedStatistics> signed_statistics(std::span<const double> values);
 
 }  // namespace stillkite

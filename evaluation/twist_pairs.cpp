@@ -11,7 +11,7 @@ Twist twist_between(const PosePair& before, const PosePair& after, RigidTransfor
 
 }  // namespace
 
-std::vector<TwistPair> twist_pairs(std::span<const JudgedMotion> estimates,
+std::vector<TwistPair> twist_pairs(std::span<const EvaluatedMotion> estimates,
                                    std::span<const PosePair> pairs, const Truth& truth,
                                    const EvaluationOptions& options, double scale) {
   std::vector<const PosePair*> pair_of(estimates.size(), nullptr);
@@ -32,15 +32,15 @@ std::vector<TwistPair> twist_pairs(std::span<const JudgedMotion> estimates,
     } else {
       estimate = from_poses(&PosePair::estimate);
     }
-    const std::optional<Twist> expected =
+    const std::optional<Twist> true_twist =
         truth.twists_in_camera.empty()
             ? from_poses(&PosePair::truth)
             : twist_at(truth.twists_in_camera, estimates[i].stamp, options.tolerance_s);
     const bool is_metric =
         estimates[i].is_metric && (estimates[i].twist_in_camera || estimates[i - 1].is_metric);
-    if (estimate && expected) {
+    if (estimate && true_twist) {
       result.push_back(
-          {.index = i, .estimate = *estimate, .truth = *expected, .is_metric = is_metric});
+          {.index = i, .estimate = *estimate, .truth = *true_twist, .is_metric = is_metric});
     }
   }
   return result;

@@ -7,18 +7,17 @@
 
 namespace stillkite {
 
-/// The camera's motion at one estimate, as estimated and true.
+/// Estimated and true camera twist of one frame.
 struct TwistPair {
-  std::size_t index = 0;  ///< of the estimate
+  std::size_t index = 0;  ///< index of the estimate
   Twist estimate;
   Twist truth;
-  bool is_metric = true;  ///< false: the estimate's velocity is not in m/s
+  bool is_metric = true;  ///< false: estimated velocity without metric scale
 };
 
-/// Where estimate and truth both know the motion. Where the truth has velocities of its own, an
-/// estimate needs no true pose to be judged. `pairs` are the estimates that have one, laid onto the
-/// truth with that `scale`.
-[[nodiscard]] std::vector<TwistPair> twist_pairs(std::span<const JudgedMotion> estimates,
+/// Twists of frames with both an estimate and a truth. With `truth.twists_in_camera` a frame needs
+/// no true pose. `pairs`: estimates with a true pose, aligned with `scale`.
+[[nodiscard]] std::vector<TwistPair> twist_pairs(std::span<const EvaluatedMotion> estimates,
                                                  std::span<const PosePair> pairs,
                                                  const Truth& truth,
                                                  const EvaluationOptions& options, double scale);

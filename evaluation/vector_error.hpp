@@ -7,16 +7,16 @@
 
 namespace stillkite {
 
-/// Error of an estimated vector quantity, per axis, in its own unit.
+/// Error of an estimated vector quantity per axis, in its unit.
 struct VectorError {
   int samples = 0;
   Eigen::Vector3d rmse;
   Eigen::Vector3d median_abs;
-  /// Pearson's; nothing where estimate or truth does not vary.
+  /// Pearson correlation; empty if estimate or truth is constant.
   std::array<std::optional<double>, 3> correlation;
 };
 
-/// Both spans hold the same moments, in the same frame; nothing of no samples.
+/// Spans of equal length, sample by sample, in the same frame; std::nullopt without samples.
 [[nodiscard]] std::optional<VectorError> vector_error(std::span<const Eigen::Vector3d> estimate,
                                                       std::span<const Eigen::Vector3d> truth);
 

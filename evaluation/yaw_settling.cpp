@@ -6,7 +6,7 @@ namespace stillkite {
 
 std::optional<double> settling_time_s(const YawErrors& errors, double from_s, double until_s,
                                       double limit_rad) {
-  std::optional<double> settled_at_s;  // of the last unbroken stretch within the limit
+  std::optional<double> settled_at_s;  // start of the last interval within the limit
   for (std::size_t i = 0; i < errors.t_s.size(); ++i) {
     if (errors.t_s[i] < from_s || errors.t_s[i] >= until_s) continue;
     if (std::abs(errors.error_rad[i]) > limit_rad) {

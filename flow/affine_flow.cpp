@@ -11,7 +11,7 @@ namespace {
 
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 
-constexpr int kFewest = 8;
+constexpr int kMinDisplacements = 8;
 constexpr float kSigmaOfMedian = 1.4826F;
 
 Eigen::Vector2f mean_of(const std::vector<Eigen::Vector2f>& values,
@@ -23,13 +23,13 @@ Eigen::Vector2f mean_of(const std::vector<Eigen::Vector2f>& values,
   return sum / static_cast<float>(std::max(1, count));
 }
 
-// Tukey's weight of a deviation d at a scale s: (1 - (d / 4.685 s)^2)^2.
-float tukey_weight(float deviation, float sigma) {
-  const float u = deviation / (4.685F * sigma);
+// Tukey biweight of a residual r at scale s: (1 - (r / 4.685 s)^2)^2.
+float tukey_weight(float residual_px, float sigma) {
+  const float u = residual_px / (4.685F * sigma);
   return u < 1 ? (1 - u * u) * (1 - u * u) : 0;
 }
 
-// The two rows of the fit share one 3x3 normal matrix.
+// Both rows of the affine model share one 3x3 normal matrix.
 void fit_weighted(const std::vector<Eigen::Vector2f>& points_px,
                   const std::vector<Eigen::Vector2f>& displacements_px,
                   const std::vector<float>& weights, AffineFlow& flow) {
@@ -37,7 +37,7 @@ void fit_weighted(const std::vector<Eigen::Vector2f>& points_px,
   Eigen::Matrix<float, 3, 2> right = Eigen::Matrix<float, 3, 2>::Zero();
   for (std::size_t i = 0; i < points_px.size(); ++i) {
     if (weights[i] == 0) continue;
-    const Eigen::Vector2f x = points_px[i] - flow.about_px;
+    const Eigen::Vector2f x = points_px[i] - flow.origin_px;
     const Eigen::Vector3f row(1, x.x(), x.y());
     normal += weights[i] * row * row.transpose();
     right += weights[i] * row * displacements_px[i].transpose();
@@ -53,17 +53,17 @@ void fit_weighted(const std::vector<Eigen::Vector2f>& points_px,
 AffineFlow fit_affine_flow(const std::vector<Eigen::Vector2f>& points_px,
                            const std::vector<Eigen::Vector2f>& displacements_px,
                            const std::vector<unsigned char>& used) {
-  constexpr int kRounds = 4;
-  constexpr float kFinest_px = 0.05F;
+  constexpr int kIterations = 4;
+  constexpr float kMinSigma_px = 0.05F;
   AffineFlow flow;
   const int count = static_cast<int>(std::count(used.begin(), used.end(), 1));
-  flow.about_px = mean_of(points_px, used, count);
+  flow.origin_px = mean_of(points_px, used, count);
   flow.offset_px = mean_of(displacements_px, used, count);
   flow.inliers = count;
-  if (count < kFewest) return flow;
+  if (count < kMinDisplacements) return flow;
 
-  // starts from the median displacement, which a third of wild ones does not move far
-  std::vector<float> x, y, deviations;
+  // initial value: the median, robust to a third of outliers
+  std::vector<float> x, y, residuals_px;
   for (std::size_t i = 0; i < points_px.size(); ++i) {
     if (used[i] == 0) continue;
     x.push_back(displacements_px[i].x());
@@ -71,20 +71,20 @@ AffineFlow fit_affine_flow(const std::vector<Eigen::Vector2f>& points_px,
   }
   flow.offset_px = {upper_median(x), upper_median(y)};
   std::vector<float> weights(points_px.size());
-  for (int round = 0; round <= kRounds; ++round) {
-    deviations.clear();
+  for (int iteration = 0; iteration <= kIterations; ++iteration) {
+    residuals_px.clear();
     for (std::size_t i = 0; i < points_px.size(); ++i) {
       if (used[i] != 0) {
-        deviations.push_back((displacements_px[i] - flow.at(points_px[i])).norm());
+        residuals_px.push_back((displacements_px[i] - flow.at(points_px[i])).norm());
       }
     }
-    flow.deviation_px = std::max(kFinest_px, kSigmaOfMedian * upper_median(deviations));
-    if (round == kRounds) break;
+    flow.sigma_px = std::max(kMinSigma_px, kSigmaOfMedian * upper_median(residuals_px));
+    if (iteration == kIterations) break;
     flow.inliers = 0;
     for (std::size_t i = 0; i < points_px.size(); ++i) {
       weights[i] = used[i] == 0 ? 0
                                 : tukey_weight((displacements_px[i] - flow.at(points_px[i])).norm(),
-                                               flow.deviation_px);
+                                               flow.sigma_px);
       if (weights[i] > 0) ++flow.inliers;
     }
     fit_weighted(points_px, displacements_px, weights, flow);

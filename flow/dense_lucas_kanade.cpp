@@ -14,12 +14,12 @@
 namespace stillkite {
 namespace {
 
-constexpr int kStripRows = 128;  // the column sums start afresh, so rounding cannot pile up
+constexpr int kStripRows = 128;  // column sums restart here, which bounds the rounding error
 
 DenseLucasKanadeConfig checked(const DenseLucasKanadeConfig& config) {
   if (config.window_px % 2 == 0) {
     throw InputError(
-        fmt::format("flow: window_px = {} is even; a window has a centre pixel", config.window_px));
+        fmt::format("flow: window_px = {} is even; give an odd number", config.window_px));
   }
   return in_range(config);
 }
@@ -70,7 +70,8 @@ const FlowField& DenseLucasKanade::operator()(const cv::Mat& previous, const cv:
 const FlowField& DenseLucasKanade::operator()(const cv::Mat& previous, const cv::Mat& current,
                                               const cv::Mat& predicted_flow_px) {
   if (predicted_flow_px.type() != CV_32FC2 || predicted_flow_px.size() != previous.size()) {
-    throw InputError("dense flow: a predicted flow is CV_32FC2 and as large as the frames");
+    throw InputError(
+        "dense flow: the predicted flow must be CV_32FC2 and of the size of the frames");
   }
   build_pyramids(previous, current);
   Level& coarsest = levels_.back();
@@ -109,13 +110,13 @@ void DenseLucasKanade::build_pyramids(const cv::Mat& previous, const cv::Mat& cu
        {std::pair{&Level::previous, &previous}, {&Level::current, &current}}) {
     cv::Mat finer;
     for (Level& level : levels_) {
-      cv::Mat here = part(level.*image, level.size);
+      cv::Mat target = part(level.*image, level.size);
       if (finer.empty()) {
-        source->copyTo(here);
+        source->copyTo(target);
       } else {
-        cv::pyrDown(finer, here, level.size);
+        cv::pyrDown(finer, target, level.size);
       }
-      finer = here;
+      finer = target;
     }
   }
 }
@@ -124,8 +125,8 @@ const FlowField& DenseLucasKanade::descend() {
   for (std::size_t i = levels_.size(); i-- > 0;) {
     Level& level = levels_[i];
     const int steps = i == 0 ? config_.finest_steps : config_.steps;
-    for (int done = 0; done < steps; ++done) {
-      const bool final_step = i == 0 && done == steps - 1;
+    for (int iteration = 0; iteration < steps; ++iteration) {
+      const bool final_step = i == 0 && iteration == steps - 1;
       step(i, final_step);
       if (final_step) break;
       cv::Mat smooth = part(level.warp, level.size);
@@ -159,7 +160,7 @@ void DenseLucasKanade::step(std::size_t level, bool with_information) {
   while (static_cast<int>(scratch_.size()) < workers) {
     scratch_.emplace_back(1, static_cast<int>(scratch_size(finest_width, step.radius)), CV_32FC1);
   }
-  // Strips do not depend on the number of workers, so neither does the flow.
+  // strips are independent of the number of workers, hence so is the flow
   const int strips = (step.height + kStripRows - 1) / kStripRows;
   cv::parallel_for_({0, workers}, [&](const cv::Range& range) {
     for (int worker = range.start; worker < range.end; ++worker) {

@@ -17,49 +17,52 @@ struct DenseLucasKanadeConfig {
   double regularisation = 2.0;
 
   static void fields(auto& self, auto&& field) {
-    field("window_px", self.window_px, Range{3, 63}, "side of the square window, odd");
-    field("levels", self.levels, Range{1, 10}, "of the pyramid at most, each half the one below");
-    field("steps", self.steps, Range{1, 20}, "Gauss-Newton steps on each coarser level");
-    field("finest_steps", self.finest_steps, Range{1, 20}, "Gauss-Newton steps at full size");
+    field("window_px", self.window_px, Range{3, 63}, "side of the square integration window, odd");
+    field("levels", self.levels, Range{1, 10}, "maximum number of pyramid levels");
+    field("steps", self.steps, Range{1, 20}, "Gauss-Newton iterations on each coarse level");
+    field("finest_steps", self.finest_steps, Range{1, 20},
+          "Gauss-Newton iterations at full resolution");
     field("regularisation", self.regularisation, kPositive,
-          "added to the mean structure tensor at full size, (grey/px)^2, a quarter each level up");
+          "Tikhonov term of the mean structure tensor at full resolution, (grey/px)^2; a quarter "
+          "of it "
+          "on each coarser level");
   }
 };
 
-/// Dense optical flow after Lucas and Kanade, one vector a pixel, as the flow paper uses it:
-/// LK(I(t+1), I(t)), section 4, step 3.
+/// Dense pyramidal Lucas-Kanade optical flow, one vector per pixel: LK(I(t+1), I(t)) of the flow
+/// paper (section 4, step 3).
 ///
-/// On each level of a pyramid, from the coarsest to full size, and from a warp field w:
+/// On each pyramid level, coarse to fine, from a warp field w:
 ///
-///     e(p) = I1(p + w(p)) - I0(p),  g(p) = grad I0(p)        where p and p + w(p) are in the image
+///     e(p) = I1(p + w(p)) - I0(p),  g(p) = grad I0(p)        p and p + w(p) inside the image
 ///     G(x) = sum g g' - (sum g)(sum g)' / n,   b(x) = sum g e - (sum g)(sum e) / n
-///     u(x) = w(x) - (G + N lambda I)^-1 b(x)     sums over those n pixels of the window's N round
-///     x
+///     u(x) = w(x) - (G + N lambda I)^-1 b(x)
 ///
-/// The second terms let the brightness of each window change by an offset. Between steps u is
-/// averaged over the window to give the next w: e(p) tells of the motion that p itself was warped
-/// by, so without this the error of u grows wherever the window's frequency response is negative
-/// (docs/flow_dense.md).
+/// with sums over the n valid pixels of the N in the window about x. The second terms compensate a
+/// brightness offset per window. Between iterations the mean of u over the window becomes w.
+/// Without this the error grows where the window's frequency response is negative
+/// (docs/plane_odometry.md).
 class DenseLucasKanade {
  public:
-  /// Throws InputError when a value is out of range.
+  /// Throws InputError if a value is out of range.
   explicit DenseLucasKanade(const DenseLucasKanadeConfig& config);
 
-  /// Frames are CV_8UC1 of one size, else InputError. The first guess is no motion.
+  /// Frames: CV_8UC1, same size, else InputError. Initial flow: zero. The result is valid until the
+  /// next call.
   const FlowField& operator()(const cv::Mat& previous, const cv::Mat& current);
 
-  /// The first guess is x' ~ H x, pixels of the current frame from the previous one's.
+  /// Initial flow from a homography of pixels, x' ~ H x, previous to current frame.
   const FlowField& operator()(const cv::Mat& previous, const cv::Mat& current,
                               const Eigen::Matrix3d& current_from_previous_px);
 
-  /// The first guess is a flow in pixels, CV_32FC2 of the frames' size; not finite means none.
+  /// Initial flow in pixels, CV_32FC2 of the frames' size; non-finite entries count as zero.
   const FlowField& operator()(const cv::Mat& previous, const cv::Mat& current,
                               const cv::Mat& predicted_flow_px);
 
  private:
   struct Level {
     cv::Size size;
-    cv::Mat previous, current;  // kRowMargin wider than the size, and the images a row higher
+    cv::Mat previous, current;  // padded: kRowMargin columns, images one row as well
     cv::Mat warp, flow;
   };
 
@@ -70,7 +73,7 @@ class DenseLucasKanade {
 
   DenseLucasKanadeConfig config_;
   std::vector<Level> levels_;
-  std::vector<cv::Mat> scratch_;  // one a worker
+  std::vector<cv::Mat> scratch_;  // one per worker
   cv::Mat information_;
   FlowField field_;
 };

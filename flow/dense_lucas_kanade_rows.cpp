@@ -13,16 +13,16 @@
 namespace stillkite {
 namespace {
 
-// A step is linear in the residual only so far.
+// Limit of the linearization.
 constexpr float kMaxStepPx = 2.0F;
 
 // Sums over a column of the window: g g' (xx, xy, yy), g e (x, y), g (x, y), e, 1.
 enum Sum { kXx, kXy, kYy, kXe, kYe, kX, kY, kE, kCount, kSums };
 
-// Gradient and residual of a row and whether they count, kept until the row leaves the window.
+// Gradient, residual and validity of a row, stored while the row is in the window.
 enum Term { kGradientX, kGradientY, kResidual, kInside, kTerms };
 
-// Rows of floats, each with kRowMargin zeros on both sides.
+// Rows of floats with kRowMargin zeros on both sides.
 std::ptrdiff_t scratch_stride(int width) {
   return (width + kRowMargin - 1) / kRowMargin * kRowMargin + 2 * kRowMargin;
 }
@@ -49,7 +49,7 @@ HWY_INLINE Floats load_bytes(const std::uint8_t* at) {
   return hn::ConvertTo(kF, hn::PromoteTo(kI, hn::LoadU(bytes, at)));
 }
 
-// Four neighbouring bytes a lane: one gather brings both pixels of a row of the interpolation.
+// Four adjacent bytes per lane: one gather loads both pixels of a row for bilinear interpolation.
 HWY_INLINE Ints gather_four_bytes(const std::uint8_t* base, Ints offset) {
 #if HWY_TARGET == HWY_SCALAR
   std::int32_t four = 0;
@@ -69,8 +69,8 @@ struct Terms {
   Floats gradient_x, gradient_y, residual, inside;
 };
 
-// Gradient of the previous image at (x, y) by central differences, and the bilinearly warped
-// current image less the previous one; zero where either is not inside.
+// Central-difference gradient of the previous image at (x, y) and residual (bilinearly warped
+// current minus previous image); zero outside the image.
 HWY_INLINE Terms terms_at(const DenseStep& step, int x, int y) {
   const Floats zero = hn::Zero(kF);
   const Floats last_x = hn::Set(kF, static_cast<float>(step.width - 1));
@@ -109,7 +109,7 @@ HWY_INLINE Terms terms_at(const DenseStep& step, int x, int y) {
           hn::IfThenElseZero(inside, hn::Set(kF, 1.0F))};
 }
 
-// Lets row y into the column sums and the row that `terms` holds, the window's oldest, out.
+// Adds row y to the column sums and subtracts the oldest row, held in `terms`.
 void advance_columns(const DenseStep& step, int y, float* sums, float* terms) {
   const std::ptrdiff_t stride = scratch_stride(step.width);
   const bool inside = y > 0 && y < step.height - 1;
@@ -146,7 +146,7 @@ void advance_columns(const DenseStep& step, int y, float* sums, float* terms) {
   }
 }
 
-// Sums of four neighbours: a window of 15 then takes 3 + 3 additions instead of 15.
+// Sums of four adjacent columns: a window of 15 then needs 3 + 3 additions instead of 15.
 void sum_fours(const DenseStep& step, const float* sums, float* fours) {
   const std::ptrdiff_t stride = scratch_stride(step.width);
   const int lanes = static_cast<int>(hn::Lanes(kF));
@@ -165,7 +165,7 @@ HWY_INLINE Floats clamp(Floats value, float limit) {
   return hn::Min(hn::Max(value, hn::Set(kF, -limit)), hn::Set(kF, limit));
 }
 
-// Row y of the flow from the column sums round it.
+// Solves row y of the flow from the column sums.
 void solve_row(const DenseStep& step, int y, const float* sums, const float* fours) {
   const std::ptrdiff_t stride = scratch_stride(step.width);
   const int window = 2 * step.radius + 1;
@@ -193,7 +193,7 @@ void solve_row(const DenseStep& step, int y, const float* sums, const float* fou
     const Floats ye = hn::NegMulAdd(mean_y, sum_e, over_window(kYe));
 
     const Floats a = hn::Add(xx, lambda), c = hn::Add(yy, lambda);
-    // Rounding must not turn the determinant over, which is lambda^2 at least.
+    // lower bound lambda^2: rounding must not change the sign of the determinant
     const Floats determinant = hn::Max(hn::MulSub(a, c, hn::Mul(xy, xy)), hn::Mul(lambda, lambda));
     const Floats inverse = hn::Div(one, determinant);
     const Floats step_x = hn::Mul(inverse, hn::MulSub(xy, ye, hn::Mul(c, xe)));

@@ -5,8 +5,8 @@
 
 namespace stillkite {
 
-/// Vectors overrun the end of a row: every row of a `Rows` has this much room behind its width,
-/// and an image one row more than its height. What is read there has no influence.
+/// Padding behind each row of a `Rows`, in elements: SIMD loads overrun the row. Images have one
+/// row of padding as well. Padding values do not affect the result.
 inline constexpr int kRowMargin = 64;
 
 template <typename T>
@@ -17,7 +17,7 @@ struct Rows {
   [[nodiscard]] T* row(int y) const { return data + y * stride; }
 };
 
-/// One step of DenseLucasKanade on one level: `flow` from `warp`. Flows interleave x and y.
+/// One iteration of DenseLucasKanade on one level: `flow` from `warp`, x and y interleaved.
 struct DenseStep {
   int width = 0;
   int height = 0;
@@ -25,19 +25,19 @@ struct DenseStep {
   Rows<const std::uint8_t> current;
   Rows<const float> warp;
   Rows<float> flow;
-  Rows<float> information;  ///< null: not asked for
-  int radius = 0;           ///< of the window: it has 2 radius + 1 pixels a side
+  Rows<float> information;  ///< null: not computed
+  int radius = 0;           ///< half side of the window: (2 radius + 1)^2 px
   float regularisation = 0;
 };
 
-/// Floats that `step_rows` needs to work in, 64-byte aligned.
+/// Number of floats of the 64-byte aligned scratch buffer of `step_rows`.
 [[nodiscard]] std::size_t scratch_size(int width, int radius);
 
-/// Writes the rows from `first` to before `end` of the flow and the information.
+/// Writes rows [first, end) of the flow and the information.
 void step_rows(const DenseStep& step, int first, int end, float* scratch);
 
-/// Flow of twice the size: fine(2x) = 2 coarse(x), linear between. Coarse has half the size rounded
-/// up. `line` holds 2 (coarse width + kRowMargin) floats.
+/// Linear upsampling of a flow by two: fine(2x) = 2 coarse(x). The coarse size is half the fine
+/// size, rounded up. `line`: scratch of 2 (coarse width + kRowMargin) floats.
 void upsample_flow(Rows<const float> coarse, int coarse_width, int coarse_height, Rows<float> fine,
                    int width, int height, float* line);
 

@@ -7,7 +7,7 @@
 namespace stillkite {
 namespace {
 
-/// Features, and how each looks: rows of bytes (ORB) or of floats (SIFT).
+/// Key points with descriptors, one row each: bytes (ORB) or floats (SIFT).
 struct DescribedFeatures {
   std::vector<cv::Point2f> points_px;
   cv::Mat descriptors;
@@ -37,7 +37,7 @@ std::vector<cv::KeyPoint> detect_key_points(const cv::Mat& grey, const DetectorC
 DescribedFeatures describe_features(const cv::Mat& grey, const DetectorConfig& config) {
   std::vector<cv::KeyPoint> key_points = detect_key_points(grey, config);
   cv::Mat descriptors;
-  // drops the features that are too near to the border to be described
+  // compute() removes key points too close to the border
   if (config.kind == Detector::sift) {
     cv::SIFT::create()->compute(grey, key_points, descriptors);
   } else {
@@ -56,16 +56,16 @@ cv::FlannBasedMatcher make_matcher(int descriptor_type) {
 }  // namespace
 
 std::vector<cv::Point2f> detect_features(const cv::Mat& grey, const DetectorConfig& config,
-                                         const std::vector<cv::Point2f>& followed_px,
+                                         const std::vector<cv::Point2f>& tracked_px,
                                          const cv::Mat& mask) {
-  cv::Mat free_of_them = mask;
-  if (!followed_px.empty()) {
-    free_of_them = mask.empty() ? cv::Mat(grey.size(), CV_8U, cv::Scalar(255)) : mask.clone();
+  cv::Mat detection_mask = mask;
+  if (!tracked_px.empty()) {
+    detection_mask = mask.empty() ? cv::Mat(grey.size(), CV_8U, cv::Scalar(255)) : mask.clone();
     const int radius_px = static_cast<int>(std::lround(config.min_distance_px));
-    for (const cv::Point2f& at : followed_px) cv::circle(free_of_them, at, radius_px, 0, -1);
+    for (const cv::Point2f& at : tracked_px) cv::circle(detection_mask, at, radius_px, 0, -1);
   }
   std::vector<cv::Point2f> points_px;
-  cv::KeyPoint::convert(detect_key_points(grey, config, free_of_them), points_px);
+  cv::KeyPoint::convert(detect_key_points(grey, config, detection_mask), points_px);
   return points_px;
 }
 
@@ -76,14 +76,14 @@ void FeatureMatcher::set_reference(const cv::Mat& grey) {
 }
 
 FeatureMatches FeatureMatcher::match(const cv::Mat& grey) const {
-  constexpr float kDistinct = 0.8F;
+  constexpr float kMaxDistanceRatio = 0.8F;
   const DescribedFeatures current = describe_features(grey, config_);
   FeatureMatches matches;
   if (descriptors_.rows < 2 || current.descriptors.rows < 2) return matches;
   std::vector<std::vector<cv::DMatch>> nearest;
   make_matcher(descriptors_.type()).knnMatch(descriptors_, current.descriptors, nearest, 2);
   for (const std::vector<cv::DMatch>& two : nearest) {
-    if (two.size() < 2 || two[0].distance > kDistinct * two[1].distance) continue;
+    if (two.size() < 2 || two[0].distance > kMaxDistanceRatio * two[1].distance) continue;
     matches.reference_px.push_back(points_px_[static_cast<std::size_t>(two[0].queryIdx)]);
     matches.current_px.push_back(current.points_px[static_cast<std::size_t>(two[0].trainIdx)]);
   }

@@ -9,7 +9,7 @@
 
 namespace stillkite {
 
-/// The config itself; InputError names the first number that is out of its range.
+/// Returns the config; throws InputError with the first value that is out of range.
 template <typename Config>
 [[nodiscard]] const Config& in_range(const Config& config) {
   Config::fields(config, [](const char* name, const auto& value, const auto&... about) {
@@ -26,12 +26,12 @@ template <typename Config>
   return config;
 }
 
-/// InputError unless both are grey 8-bit frames of one size.
+/// Throws InputError unless both are CV_8UC1 and of the same size.
 inline void check_frames(const cv::Mat& previous, const cv::Mat& current) {
   if (previous.empty() || previous.type() != CV_8UC1 || current.type() != CV_8UC1 ||
       previous.size() != current.size()) {
     throw InputError(fmt::format(
-        "flow: frames of {}x{} and {}x{} pixels; give two grey 8-bit frames of one size",
+        "flow: frames of {}x{} and {}x{} px; give two 8-bit grey frames of the same size",
         previous.cols, previous.rows, current.cols, current.rows));
   }
 }

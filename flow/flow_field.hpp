@@ -4,16 +4,16 @@
 
 namespace stillkite {
 
-/// Optical flow on the grid of the previous frame: what is seen at pixel p in the previous frame is
-/// seen at p + flow in the current one. Entry (row i, column j) belongs to
-/// p = stride (j, i) + stride / 2, rounded down; with stride 1, one vector a pixel, p = (j, i).
+/// Optical flow on the pixel grid of the previous frame: pixel p corresponds to p + flow in the
+/// current frame. Entry (row i, column j) is the flow at p = stride (j, i) + floor(stride / 2);
+/// stride 1: one vector per pixel, p = (j, i).
 ///
-/// The matrices are views of the buffers of whatever made them: they hold until its next call.
+/// The matrices are views of the estimator's buffers, valid until its next call.
 struct FlowField {
   cv::Mat flow_px;  ///< CV_32FC2 (x right, y down), finite everywhere
 
-  /// CV_32FC1, what the image says about each vector: the smaller eigenvalue of the mean structure
-  /// tensor of its window, (grey/px)^2, 0 where there is no texture. Empty: the method has none.
+  /// CV_32FC1: smaller eigenvalue of the window's mean structure tensor, (grey/px)^2; 0 without
+  /// texture. Empty if the method does not compute it.
   cv::Mat information;
   int stride_px = 1;
 };

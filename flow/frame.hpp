@@ -10,12 +10,12 @@ namespace stillkite {
 
 class ImageMask;
 
-/// One grey image of the camera, CV_8UC1. The pixels are shared, not copied.
+/// One grey camera image, CV_8UC1. Pixels are shared, not copied.
 struct Frame {
   Timestamp stamp;
-  std::int64_t index = 0;  ///< of the frame in its source, rejected ones counted too
+  std::int64_t index = 0;  ///< in the source, counting rejected frames
   cv::Mat grey;
-  std::shared_ptr<const ImageMask> mask;  ///< none: all of it shows the world
+  std::shared_ptr<const ImageMask> mask;  ///< null: all pixels are valid
 };
 
 }  // namespace stillkite

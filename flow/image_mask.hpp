@@ -4,22 +4,22 @@
 
 namespace stillkite {
 
-/// Which part of the camera's image shows no world: text burnt in, the aircraft's own legs.
+/// Mask of static overlays and airframe in view: pixels that do not show the scene.
 class ImageMask {
  public:
-  /// CV_8UC1 of the image's size, 0 where no world is shown; the pixels are shared, not copied.
-  /// InputError if it is another type.
-  explicit ImageMask(const cv::Mat& shows_world);
+  /// `valid_pixels`: CV_8UC1 of the image's size, 0 where masked; pixels are shared, not copied.
+  /// Throws InputError if it is empty or of another type.
+  explicit ImageMask(const cv::Mat& valid_pixels);
 
-  [[nodiscard]] const cv::Mat& shows_world() const { return shows_world_; }
-  /// Of the whole image.
-  [[nodiscard]] double hidden_ratio() const;
-  /// Of the part of a window about a point that lies in the image; 1 where none does.
-  [[nodiscard]] float hidden_ratio(float x_px, float y_px, float width_px, float height_px) const;
+  [[nodiscard]] const cv::Mat& valid_pixels() const { return valid_pixels_; }
+  /// Masked ratio of the whole image, in [0, 1].
+  [[nodiscard]] double masked_ratio() const;
+  /// Masked ratio of a rectangle about a point, clipped to the image; 1 if it lies outside.
+  [[nodiscard]] float masked_ratio(float x_px, float y_px, float width_px, float height_px) const;
 
  private:
-  cv::Mat shows_world_;
-  cv::Mat hidden_;  // how many pixels left of and above: CV_32S, a row and a column more
+  cv::Mat valid_pixels_;
+  cv::Mat masked_integral_;  // integral image of the masked pixels, CV_32S
 };
 
 }  // namespace stillkite

@@ -9,26 +9,27 @@
 
 namespace stillkite {
 
-/// The defaults are the hold paper's (section III).
+/// Defaults: hold paper, section III.
 struct OpenCvFeatureTrackerConfig {
   int window_px = 35;
   int max_level = 3;
 
   static void fields(auto& self, auto&& field) {
-    field("window_px", self.window_px, Range{3, 99}, "side of the Lucas-Kanade window");
-    field("max_level", self.max_level, Range{0, 8}, "coarsest level, the full image being 0");
+    field("window_px", self.window_px, Range{3, 99}, "side of the Lucas-Kanade integration window");
+    field("max_level", self.max_level, Range{0, 8}, "coarsest pyramid level; 0 is full resolution");
   }
 };
 
-/// The hold paper's association: pyramidal Lucas-Kanade (Bouguet) of the reference's features, from
-/// their place in the reference, in every frame anew.
+/// Feature tracking of the hold paper: pyramidal Lucas-Kanade (Bouguet) from the reference image,
+/// initialized in every frame at the reference positions.
 class OpenCvFeatureTracker {
  public:
   explicit OpenCvFeatureTracker(const OpenCvFeatureTrackerConfig& config) : config_(config) {}
 
   void set_reference(const cv::Mat& grey, const std::vector<cv::Point2f>& features_px);
 
-  /// Features that LK lost, or that left the image, are not `found`.
+  /// `found` is 0 for features that were lost or left the image. No covariances. Valid until the
+  /// next call.
   const FeatureTracks& track(const cv::Mat& grey);
 
  private:

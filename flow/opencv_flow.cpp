@@ -24,7 +24,7 @@ cv::Ptr<cv::DenseOpticalFlow> make_dense(const OpenCvFlowConfig& config) {
   return nullptr;
 }
 
-// calcOpticalFlowPyrLK reports eigenvalues of gradients in units of 1/32 times 2^-20.
+// calcOpticalFlowPyrLK: eigenvalues of gradients in units of 1/32, times 2^-20.
 constexpr float kEigenvalueScale = 1024.0F;
 
 }  // namespace
@@ -38,7 +38,7 @@ const FlowField& OpenCvFlow::operator()(const cv::Mat& previous, const cv::Mat& 
     track_grid(previous, current);
     return field_;
   }
-  // DIS takes a flow that it finds in its output for a first guess: let it find none.
+  // DIS uses a non-empty output as initial flow
   field_.flow_px.release();
   dense_->calc(previous, current, field_.flow_px);
   return field_;

@@ -38,30 +38,30 @@ struct OpenCvFlowConfig {
   int stride_px = 8;
 
   static void fields(auto& self, auto&& field) {
-    field("method", self.method, "which of OpenCV's flows");
-    field("window_px", self.window_px, Range{3, 63}, "side of the window (not DIS)");
-    field("levels", self.levels, Range{1, 10}, "of the pyramid (not DIS)");
+    field("method", self.method, "OpenCV flow algorithm");
+    field("window_px", self.window_px, Range{3, 63}, "side of the integration window (not DIS)");
+    field("levels", self.levels, Range{1, 10}, "number of pyramid levels (not DIS)");
     field("stride_px", self.stride_px, Range{1, 64},
-          "distance of neighbouring vectors (pyramidal_lucas_kanade)");
+          "grid spacing of the vectors (pyramidal_lucas_kanade)");
   }
 };
 
-/// OpenCV's optical flows, for comparison: Farneback (2003), dense inverse search (Kroeger et al.
-/// 2016) with its three presets, both one vector a pixel, and pyramidal Lucas-Kanade (Bouguet) on a
-/// grid of `stride_px`. Of these only the last tells what it knows; a lost point has information 0.
+/// OpenCV's optical flows, for comparison. Dense: Farneback (2003) and dense inverse search
+/// (Kroeger et al. 2016, three presets). On a grid of `stride_px`: pyramidal Lucas-Kanade
+/// (Bouguet), the only one with information; a lost point has information 0.
 class OpenCvFlow {
  public:
-  /// Throws InputError when a value is out of range.
+  /// Throws InputError if a value is out of range.
   explicit OpenCvFlow(const OpenCvFlowConfig& config);
 
-  /// Frames are CV_8UC1 of one size, else InputError.
+  /// Frames: CV_8UC1, same size, else InputError. Valid until the next call.
   const FlowField& operator()(const cv::Mat& previous, const cv::Mat& current);
 
  private:
   void track_grid(const cv::Mat& previous, const cv::Mat& current);
 
   OpenCvFlowConfig config_;
-  cv::Ptr<cv::DenseOpticalFlow> dense_;  // null: the grid
+  cv::Ptr<cv::DenseOpticalFlow> dense_;  // null: pyramidal Lucas-Kanade
   std::vector<cv::Point2f> from_px_, to_px_;
   std::vector<unsigned char> found_;
   std::vector<float> eigenvalues_;

@@ -9,30 +9,30 @@
 
 namespace stillkite {
 
-/// Finds what is fixed to the camera and no part of the world: text burnt into the image, the
-/// aircraft's legs, dirt on the lens. It keeps its place to a fraction of a pixel again and again
-/// while the rest of the image moves (docs/fixtures.md).
+/// Detects static overlays and airframe in view: text, landing gear, dirt on the lens. Criterion:
+/// edges that repeatedly stay at the same pixel while the image moves
+/// (docs/inputs_and_calibration.md).
 class StaticOverlayDetector {
  public:
-  /// The frame with all that was found so far hidden as well.
+  /// Returns the frame with the detected overlays added to its mask.
   [[nodiscard]] Frame masked(Frame frame);
 
-  /// Frame by frame. `shift_px`: of the image as a whole since the frame before; nothing where
-  /// that is not known.
-  void learn(const cv::Mat& grey, const std::optional<Eigen::Vector2d>& shift_px);
+  /// Processes one frame. `shift_px`: mean image displacement since the previous frame; empty if
+  /// unknown, which restarts the comparison.
+  void update(const cv::Mat& grey, const std::optional<Eigen::Vector2d>& shift_px);
 
  private:
-  void count_still();
-  [[nodiscard]] cv::Mat fixed_cells() const;
+  void count_static_edges();
+  [[nodiscard]] cv::Mat static_cells() const;
 
-  // half the image's size: the one at hand and the one that it is compared with
-  cv::Mat half_, before_;
-  Eigen::Vector2d since_then_px_ = Eigen::Vector2d::Zero();
-  cv::Mat counts_;  // CV_8U: in how many comparisons each of its pixels has kept still
-  cv::Mat cells_;   // CV_8U: 255 where something is fixed
+  // half resolution: the current image and the one it is compared with
+  cv::Mat current_half_, reference_half_;
+  Eigen::Vector2d accumulated_shift_px_ = Eigen::Vector2d::Zero();
+  cv::Mat static_counts_;  // CV_8U: number of comparisons in which the pixel was static
+  cv::Mat overlay_cells_;  // CV_8U: 255 where an overlay is detected
   bool has_overlays_ = false;
-  // together, for as long as neither changes
-  std::shared_ptr<const ImageMask> given_, combined_;
+  // mask of the last frame and its union with the overlays, cached
+  std::shared_ptr<const ImageMask> input_mask_, combined_mask_;
 };
 
 }  // namespace stillkite

@@ -20,24 +20,24 @@ using DI = hn::Rebind<std::int32_t, D>;
 using V = hn::Vec<D>;
 using VI = hn::Vec<DI>;
 
-constexpr int kMostLanes = 16;
+constexpr int kMaxLanes = 16;
 
-// Where a tile's pixels lie in the current image: its centre, and how the others lie about it.
+// Affine map of a tile to the current image: centre and deformation about it.
 struct TileMap {
   float x = 0, y = 0;
   Deformation a;
 };
 
-// A part of a tile as wide as a vector, in the current image.
+// Warped pixels of one SIMD vector of columns.
 struct WarpedColumns {
-  HWY_ALIGN float rows[TileGrid::kMostRows][kMostLanes];
+  HWY_ALIGN float rows[TileGrid::kMaxRows][kMaxLanes];
 };
 
 struct SixWeights {
   V a, b, c, d, e, f;
 };
 
-// As quintic_weights(), of the products of the distances to the six pixels.
+// Weights of quintic_weights(), evaluated from the products of the distances to the six pixels.
 HWY_INLINE SixWeights six_weights(V fraction) {
   const D d;
   const auto from = [&](float k) { return hn::Sub(fraction, hn::Set(d, k)); };
@@ -52,8 +52,8 @@ HWY_INLINE SixWeights six_weights(V fraction) {
           weight(hn::Mul(hn::Mul(from(1), from(2)), before), 1.0F / 120)};
 }
 
-// Along rows. Two gathers bring a row's six pixels, the first of them at `offset`, and no others.
-HWY_INLINE V across(const std::uint8_t* image, VI offset, const SixWeights& w) {
+// Interpolation along a row. Two gathers load exactly the six pixels from `offset` on.
+HWY_INLINE V interpolate_row(const std::uint8_t* image, VI offset, const SixWeights& w) {
   const D d;
   const DI di;
   const auto* base = reinterpret_cast<const std::int32_t*>(image);
@@ -69,7 +69,7 @@ HWY_INLINE V across(const std::uint8_t* image, VI offset, const SixWeights& w) {
   return hn::MulAdd(w.f, pixel(hn::ShiftRight<24>(last)), sum);
 }
 
-// However the tile is deformed: six rows about each pixel.
+// General deformation: interpolates six rows about each pixel.
 void warp_columns(const ImageView& image, const TileMap& map, int rows, V from_centre,
                   WarpedColumns& out) {
   const D d;
@@ -81,57 +81,57 @@ void warp_columns(const ImageView& image, const TileMap& map, int rows, V from_c
     const float down = static_cast<float>(row) - 0.5F * static_cast<float>(rows - 1);
     const V u = hn::Add(u_middle, hn::Set(d, map.a.xy * down));
     const V v = hn::Add(v_middle, hn::Set(d, map.a.yy * down));
-    // inside the image u and v are positive: truncation is floor
+    // u and v are positive inside the image: truncation is floor
     const VI iu = hn::ConvertTo(di, u);
     const VI iv = hn::ConvertTo(di, v);
     const SixWeights wu = six_weights(hn::Sub(u, hn::ConvertTo(d, iu)));
     const SixWeights wv = six_weights(hn::Sub(v, hn::ConvertTo(d, iv)));
     VI offset = hn::Add(hn::Mul(iv, hn::Set(di, stride)), iu);
     offset = hn::Sub(offset, hn::Set(di, 2 + 2 * stride));
-    V warped = hn::Mul(wv.a, across(image.data, offset, wu));
+    V warped = hn::Mul(wv.a, interpolate_row(image.data, offset, wu));
     for (const V& weight : {wv.b, wv.c, wv.d, wv.e, wv.f}) {
       offset = hn::Add(offset, hn::Set(di, stride));
-      warped = hn::MulAdd(weight, across(image.data, offset, wu), warped);
+      warped = hn::MulAdd(weight, interpolate_row(image.data, offset, wu), warped);
     }
     hn::Store(warped, d, out.rows[row]);
   }
 }
 
-// So that a vector's columns of one row lie between two of the image's, and a column's slant moves
-// the rows that it needs beyond the tile by less than a pixel.
-bool is_slight(const Deformation& a) {
-  return std::abs(a.yx) * (kMostLanes - 1) <= 1 && std::abs(a.xy) <= 0.2F * a.yy && a.yy <= 1.25F;
+// Limits of the separable warp: the columns of one row span at most two image rows, and the shear
+// of a column exceeds the tile by less than a pixel.
+bool is_small(const Deformation& a) {
+  return std::abs(a.yx) * (kMaxLanes - 1) <= 1 && std::abs(a.xy) <= 0.2F * a.yy && a.yy <= 1.25F;
 }
 
-// The same of a slight deformation, with a fourth of the gathers: first along the image's rows to
-// where they cross the tile's columns, each row once, then down the columns.
-void warp_columns_slightly(const ImageView& image, const TileMap& map, int rows, V from_centre,
-                           WarpedColumns& out) {
-  constexpr int kMostCrossed = TileGrid::kMostRows * 5 / 4 + 8;
+// Separable warp for small deformations, with a quarter of the gathers: interpolates each image row
+// at its intersections with the tile's columns, then along the columns.
+void warp_columns_separable(const ImageView& image, const TileMap& map, int rows, V from_centre,
+                            WarpedColumns& out) {
+  constexpr int kMaxRowSamples = TileGrid::kMaxRows * 5 / 4 + 8;
   const D d;
   const DI di;
   const float half = 0.5F * static_cast<float>(rows - 1);
   const V v_middle = hn::MulAdd(from_centre, hn::Set(d, map.a.yx), hn::Set(d, map.y));
-  const float highest = hn::GetLane(hn::MinOfLanes(d, v_middle));
+  const float min_v = hn::GetLane(hn::MinOfLanes(d, v_middle));
   const auto row_above = [&](int row) {
-    return static_cast<int>(highest + map.a.yy * (static_cast<float>(row) - half));
+    return static_cast<int>(min_v + map.a.yy * (static_cast<float>(row) - half));
   };
   const int first = row_above(0) - TileGrid::kBefore_px;
   const int last = row_above(rows - 1) + 1 + TileGrid::kAfter_px;
 
-  HWY_ALIGN float crossed[kMostCrossed][kMostLanes];
-  const float slant = map.a.xy / map.a.yy;
+  HWY_ALIGN float row_samples[kMaxRowSamples][kMaxLanes];
+  const float shear = map.a.xy / map.a.yy;
   const V u_middle =
-      hn::MulAdd(from_centre, hn::Set(d, map.a.xx - slant * map.a.yx), hn::Set(d, map.x));
+      hn::MulAdd(from_centre, hn::Set(d, map.a.xx - shear * map.a.yx), hn::Set(d, map.x));
   for (int row = first; row <= last; ++row) {
-    const V u = hn::Add(u_middle, hn::Set(d, slant * (static_cast<float>(row) - map.y)));
+    const V u = hn::Add(u_middle, hn::Set(d, shear * (static_cast<float>(row) - map.y)));
     const VI iu = hn::ConvertTo(di, u);
-    // one row beyond the image would count for nothing
-    const int inside = std::clamp(row, 0, image.height - 1);
-    const V grey =
-        across(image.data + inside * image.stride, hn::Sub(iu, hn::Set(di, TileGrid::kBefore_px)),
-               six_weights(hn::Sub(u, hn::ConvertTo(d, iu))));
-    hn::Store(grey, d, crossed[row - first]);
+    // a row beyond the image has weight 0
+    const int clamped_row = std::clamp(row, 0, image.height - 1);
+    const V grey = interpolate_row(image.data + clamped_row * image.stride,
+                                   hn::Sub(iu, hn::Set(di, TileGrid::kBefore_px)),
+                                   six_weights(hn::Sub(u, hn::ConvertTo(d, iu))));
+    hn::Store(grey, d, row_samples[row - first]);
   }
   for (int row = 0; row < rows; ++row) {
     const float down = map.a.yy * (static_cast<float>(row) - half);
@@ -141,7 +141,7 @@ void warp_columns_slightly(const ImageView& image, const TileMap& map, int rows,
     const V one = hn::Set(d, 1.0F);
     const auto is_next = hn::Ge(below, one);
     const SixWeights w = six_weights(hn::Sub(below, hn::IfThenElseZero(is_next, one)));
-    const float(*from)[kMostLanes] = crossed + (above - TileGrid::kBefore_px - first);
+    const float(*from)[kMaxLanes] = row_samples + (above - TileGrid::kBefore_px - first);
     V warped = hn::Mul(hn::IfThenZeroElse(is_next, w.a), hn::Load(d, from[0]));
     warped = hn::MulAdd(hn::IfThenElse(is_next, w.a, w.b), hn::Load(d, from[1]), warped);
     warped = hn::MulAdd(hn::IfThenElse(is_next, w.b, w.c), hn::Load(d, from[2]), warped);
@@ -154,7 +154,7 @@ void warp_columns_slightly(const ImageView& image, const TileMap& map, int rows,
 }
 
 TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int top, int columns,
-                       int rows, const TileMap& map, bool slightly, float gain) {
+                       int rows, const TileMap& map, bool separable, float gain) {
   const D d;
   const DI di;
   const hn::Rebind<std::uint8_t, D> d8;
@@ -169,8 +169,8 @@ TileSums deformed_tile(const ImageView& ref, const ImageView& cur, int left, int
   for (int column = 0; column < columns; column += static_cast<int>(hn::Lanes(d))) {
     const float first = static_cast<float>(column) - 0.5F * static_cast<float>(columns - 1);
     const V from_centre = hn::Iota(d, first);
-    if (slightly) {
-      warp_columns_slightly(cur, map, rows, from_centre, warped);
+    if (separable) {
+      warp_columns_separable(cur, map, rows, from_centre, warped);
     } else {
       warp_columns(cur, map, rows, from_centre, warped);
     }
@@ -219,9 +219,9 @@ void measure_deformed_kernel(const ImageView& ref, const ImageView& cur, const T
     const Deformation a{.xx = at.axx[i], .xy = at.axy[i], .yx = at.ayx[i], .yy = at.ayy[i]};
     const float reach_x = std::abs(a.xx) * half_width + std::abs(a.xy) * half_height;
     const float reach_y = std::abs(a.yx) * half_width + std::abs(a.yy) * half_height;
-    const float spare_x = std::min(x - reach_x - kFirst, last_x - x - reach_x);
-    const float spare_y = std::min(y - reach_y - kFirst, last_y - y - reach_y);
-    if (!(spare_x >= 0 && spare_y >= 0 && a.xx * a.yy - a.xy * a.yx > 0.1F)) {
+    const float margin_x = std::min(x - reach_x - kFirst, last_x - x - reach_x);
+    const float margin_y = std::min(y - reach_y - kFirst, last_y - y - reach_y);
+    if (!(margin_x >= 0 && margin_y >= 0 && a.xx * a.yy - a.xy * a.yx > 0.1F)) {
       store({}, {}, pixels, {}, i, out);
       continue;
     }
@@ -229,7 +229,7 @@ void measure_deformed_kernel(const ImageView& ref, const ImageView& cur, const T
                                                     : texture_at<16>(ref, grid, i, textures);
     store(texture,
           deformed_tile(ref, cur, grid.left_px[i], grid.top_px[i], grid.columns, grid.rows,
-                        {.x = x, .y = y, .a = a}, is_slight(a) && spare_x >= 1, gain),
+                        {.x = x, .y = y, .a = a}, is_small(a) && margin_x >= 1, gain),
           pixels, a, i, out);
   }
 }

@@ -44,13 +44,13 @@ TileGrid make_tile_grid(int width_px, int height_px, int columns_per_tile, int r
   const int padding = TileGrid::kPadding;
   grid.count = (columns * lines + padding - 1) / padding * padding;
   for (int i = 0; i < grid.count; ++i) {
-    const bool real = i < columns * lines;
-    const int x = real ? left + i % columns * columns_per_tile : 0;
-    const int y = real ? top + i / columns * rows_per_tile : 0;
+    const bool is_tile = i < columns * lines;
+    const int x = is_tile ? left + i % columns * columns_per_tile : 0;
+    const int y = is_tile ? top + i / columns * rows_per_tile : 0;
     grid.left_px.push_back(x);
     grid.top_px.push_back(y);
-    // an empty tile has its centre nowhere, so that it lands on no image
-    const float centre = real ? 0.0F : TilePlacement::kNowhere_px;
+    // padding tiles lie outside every image
+    const float centre = is_tile ? 0.0F : TilePlacement::kOutside_px;
     grid.centre_x_px.push_back(centre + static_cast<float>(x) +
                                0.5F * static_cast<float>(columns_per_tile - 1));
     grid.centre_y_px.push_back(centre + static_cast<float>(y) +
@@ -69,27 +69,27 @@ void TileMeasurements::resize(int count) {
   }
 }
 
-void TileTextures::forget(const TileGrid& grid) {
+void TileTextures::reset(const TileGrid& grid) {
   tiles.resize(static_cast<std::size_t>(grid.count));
-  known.assign(tiles.size(), 0);
+  computed.assign(tiles.size(), 0);
 }
 
 const TileMeasurements& TileFlow::measure(const cv::Mat& reference, const cv::Mat& current,
                                           const TileGrid& grid, const TilePlacement& placement,
-                                          TileWarp warp, float gain, const TileEffort& effort,
+                                          TileWarp warp, float gain, const TileOptions& options,
                                           TileTextures& textures) {
   CV_Assert(reference.type() == CV_8UC1 && current.type() == CV_8UC1);
   CV_Assert(reference.size() == current.size());
-  CV_Assert(textures.known.size() == static_cast<std::size_t>(grid.count));
+  CV_Assert(textures.computed.size() == static_cast<std::size_t>(grid.count));
   measurements_.resize(grid.count);
-  const auto view = [](const cv::Mat& m) {
+  const auto image_view = [](const cv::Mat& m) {
     return ImageView{m.data, static_cast<std::ptrdiff_t>(m.step[0]), m.cols, m.rows};
   };
   if (warp == TileWarp::shift) {
-    measure_shifted(view(reference), view(current), grid, placement, gain, effort, textures,
-                    measurements_);
+    measure_shifted(image_view(reference), image_view(current), grid, placement, gain, options,
+                    textures, measurements_);
   } else {
-    measure_deformed(view(reference), view(current), grid, placement, gain, textures,
+    measure_deformed(image_view(reference), image_view(current), grid, placement, gain, textures,
                      measurements_);
   }
   return measurements_;

@@ -5,39 +5,39 @@
 
 namespace stillkite {
 
-/// Windows side by side over one image. Padded with empty tiles to a multiple of
-/// `kPadding`, so that vector code needs no remainder loop.
+/// Regular grid of tiles over an image, padded with empty tiles to a multiple of `kPadding`: SIMD
+/// code needs no remainder loop.
 struct TileGrid {
   static constexpr int kPadding = 16;
-  /// Left of and above a tile, right of and below it: what interpolation needs.
+  /// Interpolation margin: left and above, right and below.
   static constexpr int kBefore_px = 2;
   static constexpr int kAfter_px = 3;
-  static constexpr int kMostRows = 24;
+  static constexpr int kMaxRows = 24;
 
   int columns = 0;  ///< width of a tile, px: 16 or 32
-  int rows = 0;     ///< height of a tile, px: at most `kMostRows`
-  int count = 0;    ///< tiles, padding included
+  int rows = 0;     ///< height of a tile, px: at most `kMaxRows`
+  int count = 0;    ///< number of tiles including padding
   std::vector<int> left_px, top_px;
   std::vector<float> centre_x_px, centre_y_px;
 };
 
-/// Keeps the margin that a tile needs.
+/// Centred grid of the complete tiles inside the interpolation margin.
 [[nodiscard]] TileGrid make_tile_grid(int width_px, int height_px, int columns_per_tile,
                                       int rows_per_tile);
 
-/// Where each tile of the reference is expected in the current image: its centre and the
-/// deformation d(current)/d(reference) about it. A tile off the image is skipped.
+/// Predicted placement of each tile in the current image: centre and deformation
+/// d(current)/d(reference). Tiles outside the image are skipped.
 struct TilePlacement {
   std::vector<float> x_px, y_px;
   std::vector<float> axx, axy, ayx, ayy;
 
   void resize(int count);
-  static constexpr float kNowhere_px = -1e6F;
+  static constexpr float kOutside_px = -1e6F;
 };
 
-/// What Lucas-Kanade learns of a tile's displacement u from its expected place, information form:
-/// G u = g with the structure tensor G, both over the tile and after removal of the tile's mean
-/// (a change of brightness costs nothing). Axes of the current image. A skipped tile is all zero.
+/// Lucas-Kanade measurement of each tile's displacement u from its predicted placement, in
+/// information form: G u = g with the structure tensor G. Sums over the tile after removal of its
+/// mean (invariant to brightness offsets), in axes of the current image. Skipped tile: all zero.
 struct TileMeasurements {
   std::vector<float> gxx, gxy, gyy;  ///< grey^2/px^2
   std::vector<float> gx, gy;         ///< grey^2/px
@@ -48,50 +48,47 @@ struct TileMeasurements {
   void resize(int count);
 };
 
-/// A sum over a tile, and the sums with the distance from its middle, px.
+/// Sum over a tile and its first moments about the centre, px.
 struct TileMoments {
   float sum = 0, by_x = 0, by_y = 0;
 };
 
-/// What of a tile's sums is its reference's alone: those of the products of its gradient, which
-/// are G, and of the gradient itself.
+/// Moments of a reference tile: products of the gradient (G) and the gradient itself.
 struct TileTexture {
   TileMoments xx, xy, yy, x, y;
 };
 
-/// The tiles' textures, each learnt when it is first measured, and good for as long as the grid
-/// lies on the same image.
+/// Cache of the tiles' textures, computed on first use; valid for one grid and one image.
 struct TileTextures {
   std::vector<TileTexture> tiles;
-  std::vector<unsigned char> known;
+  std::vector<unsigned char> computed;
 
-  /// For another image or another grid.
-  void forget(const TileGrid& grid);
+  /// Call after a change of image or grid.
+  void reset(const TileGrid& grid);
 };
 
 enum class TileWarp {
-  shift,   ///< a tile is shifted in 16-bit integers, its deformation is taken to first order
-  affine,  ///< every pixel is warped as the placement says, however large the deformation
+  shift,   ///< shift in 16-bit integers; deformation to first order
+  affine,  ///< full affine warp of every pixel
 };
 
-/// What a shifted tile may do without: quintic interpolation (else bilinear, whose error does not
-/// matter on the way to a finer level), and the sums `contrast` and `gain_product`, which are then
-/// 0. A deformed tile always has both.
-struct TileEffort {
+/// Options of `TileWarp::shift`; `TileWarp::affine` always uses both. quintic: interpolation, else
+/// bilinear (sufficient on coarse levels). contrast: also sums `contrast` and `gain_product`.
+struct TileOptions {
   bool quintic = true;
   bool contrast = true;
 };
 
-/// One Lucas-Kanade step of every tile: residual r = gain * reference - current(warped),
-/// G = sum of grad grad^T, g = sum of grad r. Both images CV_8UC1 and of one size; `textures` are
-/// those of `grid` on `reference`.
+/// Lucas-Kanade measurement of every tile: r = gain * reference - current(warped),
+/// G = sum grad grad^T, g = sum grad r. Images: CV_8UC1, same size. `textures`: cache of `grid` on
+/// `reference`.
 class TileFlow {
  public:
   const TileMeasurements& measure(const cv::Mat& reference, const cv::Mat& current,
                                   const TileGrid& grid, const TilePlacement& placement,
-                                  TileWarp warp, float gain, const TileEffort& effort,
+                                  TileWarp warp, float gain, const TileOptions& options,
                                   TileTextures& textures);
-  /// Of the last call.
+  /// Result of the last call.
   [[nodiscard]] const TileMeasurements& measurements() const { return measurements_; }
 
  private:

@@ -18,22 +18,22 @@ namespace stillkite {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A tile's rows go through 16-bit lanes: pixels in 1/64 grey, residuals in 1/16 grey, gradients as
-// differences over two pixels; products are added up in 32-bit lanes, a pair of columns each.
+// 16-bit lanes: pixels in 1/64 grey, residuals in 1/16 grey, gradients as differences over two
+// pixels. 32-bit lanes: sums of products, one per pair of columns.
 struct TilePlace {
   const std::uint8_t* reference;
   const std::uint8_t* current;
-  int fraction_x, fraction_y;  // of a pixel, in 1/128
+  int fraction_x, fraction_y;  // in 1/128 px
 };
 
 template <class V>
-struct SixOf {
+struct SixTaps {
   V a, b, c, d, e, f;
 };
 
 // Weights in 1/32768.
 template <class V>
-HWY_INLINE V weighted(const SixOf<V>& v, const SixOf<V>& w) {
+HWY_INLINE V weighted(const SixTaps<V>& v, const SixTaps<V>& w) {
   const V outer = hn::Add(hn::MulFixedPoint15(v.a, w.a), hn::MulFixedPoint15(v.f, w.f));
   const V middle = hn::Add(hn::MulFixedPoint15(v.b, w.b), hn::MulFixedPoint15(v.e, w.e));
   const V inner = hn::Add(hn::MulFixedPoint15(v.c, w.c), hn::MulFixedPoint15(v.d, w.d));
@@ -52,20 +52,20 @@ TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdi
   const auto load = [&](const std::uint8_t* p) { return hn::PromoteTo(d, hn::LoadU(d8, p)); };
   const auto weights = [&](int fraction) {
     const QuinticWeights& w = quintic_weights(fraction);
-    return SixOf<V16>{hn::Set(d, w[0]), hn::Set(d, w[1]), hn::Set(d, w[2]),
-                      hn::Set(d, w[3]), hn::Set(d, w[4]), hn::Set(d, w[5])};
+    return SixTaps<V16>{hn::Set(d, w[0]), hn::Set(d, w[1]), hn::Set(d, w[2]),
+                        hn::Set(d, w[3]), hn::Set(d, w[4]), hn::Set(d, w[5])};
   };
-  const SixOf<V16> across_x = weights(at.fraction_x);
-  const SixOf<V16> down_y = weights(at.fraction_y);
+  const SixTaps<V16> taps_x = weights(at.fraction_x);
+  const SixTaps<V16> taps_y = weights(at.fraction_y);
   const V16 linear_x = hn::Set(d, static_cast<std::int16_t>(at.fraction_x / 2));   // in 1/64
   const V16 linear_y = hn::Set(d, static_cast<std::int16_t>(at.fraction_y << 8));  // in 1/32768
   const V16 gain = hn::Set(d, static_cast<std::int16_t>(gain_q15));
   const V16 one = hn::Set(d, 1);
-  const auto across = [&](const std::uint8_t* p) {
+  const auto interpolate_row = [&](const std::uint8_t* p) {
     if constexpr (kFine) {
       const auto pixel = [&](int i) { return hn::ShiftLeft<6>(load(p + i)); };
-      return weighted(SixOf<V16>{pixel(-2), pixel(-1), pixel(0), pixel(1), pixel(2), pixel(3)},
-                      across_x);
+      return weighted(SixTaps<V16>{pixel(-2), pixel(-1), pixel(0), pixel(1), pixel(2), pixel(3)},
+                      taps_x);
     } else {
       const V16 left = load(p);
       return hn::Add(hn::ShiftLeft<6>(left), hn::Mul(hn::Sub(load(p + 1), left), linear_x));
@@ -82,18 +82,18 @@ TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdi
     const std::uint8_t* q = at.current + first;
     V16 up = load(p - ref_stride);
     V16 middle = load(p);
-    const auto line = [&](int i) { return across(q + i * cur_stride); };
-    // the first and the last two are of no use without `kFine`, and are left out by the compiler
-    SixOf<V16> lines{line(-2), line(-1), line(0), line(1), line(2), line(0)};
+    const auto line = [&](int i) { return interpolate_row(q + i * cur_stride); };
+    // bilinear uses the middle two only; the compiler removes the others
+    SixTaps<V16> lines{line(-2), line(-1), line(0), line(1), line(2), line(0)};
     q += 3 * cur_stride;
     for (int row = 0; row < rows; ++row) {
       const V16 down = load(p + ref_stride);
       const V16 ix = hn::Sub(load(p + 1), load(p - 1));
       const V16 iy = hn::Sub(down, up);
-      lines.f = across(q);
+      lines.f = interpolate_row(q);
       V16 warped;
       if constexpr (kFine) {
-        warped = weighted(lines, down_y);
+        warped = weighted(lines, taps_y);
       } else {
         warped = hn::Add(lines.c, hn::MulFixedPoint15(hn::Sub(lines.d, lines.c), linear_y));
       }
@@ -116,27 +116,27 @@ TileSums shifted_tile(const TilePlace& at, std::ptrdiff_t ref_stride, std::ptrdi
       q += cur_stride;
     }
     const auto real = [](V32 v) { return hn::ConvertTo(hn::Rebind<float, D32>(), v); };
-    // white that became black takes all 32 bits of a sum of squares, which is never negative
+    // sum of squares: unsigned, uses all 32 bits for a change from white to black
     const auto signed_rr = real(rr);
     const hn::DFromV<decltype(signed_rr)> df;
     const auto real_rr = hn::IfThenElse(hn::Lt(signed_rr, hn::Zero(df)),
                                         hn::Add(signed_rr, hn::Set(df, 4294967296.0F)), signed_rr);
-    const auto with_residual = totals(real(gx), real(gy), real(sr), real_rr);
+    const auto with_residual = lane_sums(real(gx), real(gy), real(sr), real_rr);
     s.gx += with_residual[0] / 32;
     s.gy += with_residual[1] / 32;
     s.r += with_residual[2] / 16;
     if constexpr (kWithContrast) {
-      const auto of_brightness = totals(real(s0), real(s00), real(s0r), real(zero));
+      const auto brightness_sums = lane_sums(real(s0), real(s00), real(s0r), real(zero));
       s.rr += with_residual[3] / 256;
-      s.i0 += of_brightness[0];
-      s.i0i0 += of_brightness[1];
-      s.i0r += of_brightness[2] / 16;
+      s.i0 += brightness_sums[0];
+      s.i0i0 += brightness_sums[1];
+      s.i0r += brightness_sums[2] / 16;
     }
   }
   return s;
 }
 
-// The tile was shifted, not deformed: to first order r <- r - grad . (A - 1) (x - centre).
+// First-order deformation of a shifted tile: r <- r - grad . (A - I) (x - centre).
 HWY_INLINE void deform(const TileTexture& t, const Deformation& a, TileSums& s) {
   const float bxx = a.xx - 1, bxy = a.xy, byx = a.yx, byy = a.yy - 1;
   s.gx -= bxx * t.xx.by_x + bxy * t.xx.by_y + byx * t.xy.by_x + byy * t.xy.by_y;
@@ -144,9 +144,9 @@ HWY_INLINE void deform(const TileTexture& t, const Deformation& a, TileSums& s) 
   s.r -= bxx * t.x.by_x + bxy * t.x.by_y + byx * t.y.by_x + byy * t.y.by_y;
 }
 
-// Where a tile lands in the current image, in whole pixels and 1/128.
-struct Landing {
-  float dx, dy;  // as asked for
+// Position of a tile in the current image, in whole pixels and 1/128 px.
+struct ShiftedPosition {
+  float dx, dy;  // requested shift
   int steps_x, steps_y;
   int x, y;
 
@@ -156,11 +156,12 @@ struct Landing {
            y + grid.rows + TileGrid::kAfter_px <= cur.height;
   }
 };
-HWY_INLINE Landing land(const TileGrid& grid, const TilePlacement& placement, int i) {
+HWY_INLINE ShiftedPosition shifted_position(const TileGrid& grid, const TilePlacement& placement,
+                                            int i) {
   const auto steps = [](float d) {
     return static_cast<int>(std::floor(std::clamp(d, -1e5F, 1e5F) * 128.0F + 0.5F));
   };
-  Landing at{};
+  ShiftedPosition at{};
   at.dx = placement.x_px[i] - grid.centre_x_px[i];
   at.dy = placement.y_px[i] - grid.centre_y_px[i];
   at.steps_x = steps(at.dx);
@@ -170,11 +171,10 @@ HWY_INLINE Landing land(const TileGrid& grid, const TilePlacement& placement, in
   return at;
 }
 
-// A tile is some twenty short rows of two images, more streams than a processor fetches ahead by
-// itself.
+// About twenty short rows of two images: more streams than the hardware prefetcher follows.
 HWY_INLINE void fetch_ahead(const ImageView& ref, const ImageView& cur, const TileGrid& grid,
                             const TilePlacement& placement, int i) {
-  const Landing at = land(grid, placement, i);
+  const ShiftedPosition at = shifted_position(grid, placement, i);
   if (!at.is_inside(grid, cur)) return;
   const std::uint8_t* p = ref.data + grid.top_px[i] * ref.stride + grid.left_px[i];
   const std::uint8_t* q = cur.data + at.y * cur.stride + at.x;
@@ -194,7 +194,7 @@ void measure_all(const ImageView& ref, const ImageView& cur, const TileGrid& gri
   const float pixels = static_cast<float>(grid.columns * grid.rows);
   for (int i = 0; i < grid.count; ++i) {
     if (i + kAhead < grid.count) fetch_ahead(ref, cur, grid, placement, i + kAhead);
-    const Landing to = land(grid, placement, i);
+    const ShiftedPosition to = shifted_position(grid, placement, i);
     if (!to.is_inside(grid, cur)) {
       store({}, {}, pixels, {}, i, out);
       continue;
@@ -207,7 +207,7 @@ void measure_all(const ImageView& ref, const ImageView& cur, const TileGrid& gri
                                                                  grid.rows, gain_q15);
     deform(texture, a, sums);
     store(texture, sums, pixels, a, i, out);
-    // the shift was rounded to 1/128 px: refer the step to the place that was asked for
+    // correction for the rounding of the shift to 1/128 px
     const float ex = static_cast<float>(to.steps_x) / 128.0F - to.dx;
     const float ey = static_cast<float>(to.steps_y) / 128.0F - to.dy;
     out.gx[i] += out.gxx[i] * ex + out.gxy[i] * ey;
@@ -216,20 +216,20 @@ void measure_all(const ImageView& ref, const ImageView& cur, const TileGrid& gri
 }
 
 void measure_shifted_kernel(const ImageView& ref, const ImageView& cur, const TileGrid& grid,
-                            const TilePlacement& placement, float gain, const TileEffort& effort,
+                            const TilePlacement& placement, float gain, const TileOptions& options,
                             TileTextures& textures, TileMeasurements& out) {
   const auto measure = [&](auto measure_of) {
     measure_of(ref, cur, grid, placement, gain, textures, out);
   };
   const bool wide = grid.columns == 32;
-  if (effort.quintic) {
+  if (options.quintic) {
     const auto with = wide ? measure_all<32, true, true> : measure_all<16, true, true>;
     const auto without = wide ? measure_all<32, true, false> : measure_all<16, true, false>;
-    measure(effort.contrast ? with : without);
+    measure(options.contrast ? with : without);
   } else {
     const auto with = wide ? measure_all<32, false, true> : measure_all<16, false, true>;
     const auto without = wide ? measure_all<32, false, false> : measure_all<16, false, false>;
-    measure(effort.contrast ? with : without);
+    measure(options.contrast ? with : without);
   }
 }
 
@@ -243,10 +243,10 @@ namespace stillkite {
 HWY_EXPORT(measure_shifted_kernel);
 
 void measure_shifted(const ImageView& reference, const ImageView& current, const TileGrid& grid,
-                     const TilePlacement& placement, float gain, const TileEffort& effort,
+                     const TilePlacement& placement, float gain, const TileOptions& options,
                      TileTextures& textures, TileMeasurements& out) {
   HWY_DYNAMIC_DISPATCH(measure_shifted_kernel)
-  (reference, current, grid, placement, gain, effort, textures, out);
+  (reference, current, grid, placement, gain, options, textures, out);
 }
 
 }  // namespace stillkite

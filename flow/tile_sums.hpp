@@ -16,8 +16,8 @@ struct ImageView {
   int height;
 };
 
-/// Plain sums over a tile that the current image is part of, gradients as central differences,
-/// everything in grey and pixels; and those that are with the brightness alone.
+/// Sums over a tile that involve the current image: gradient (central differences) times residual,
+/// residual, brightness. Units: grey and px.
 struct TileSums {
   float gx = 0, gy = 0;
   float r = 0, rr = 0, i0 = 0, i0i0 = 0, i0r = 0;
@@ -28,8 +28,8 @@ struct Deformation {
   float xx = 1, xy = 0, yx = 0, yy = 1;
 };
 
-/// Removes the tile's mean from gradient, residual and reference, and turns the gradient's axes
-/// from the reference image to the current one: grad' = A^-T grad.
+/// Removes the tile's mean from gradient, residual and reference. Transforms the gradient from the
+/// axes of the reference to those of the current image: grad' = A^-T grad.
 inline void store(const TileTexture& t, const TileSums& s, float pixels, const Deformation& a,
                   int i, TileMeasurements& out) {
   const float n = 1.0F / pixels;
@@ -53,15 +53,15 @@ inline void store(const TileTexture& t, const TileSums& s, float pixels, const D
   out.gain_product[k] = s.i0r - s.i0 * s.r * n;
 }
 
-/// Lagrange's weights of the six pixels about a position between the third and the fourth, in
-/// 1/32768. Of a wave of five pixels, moved by a quarter of one, they miss 1/600 px; Keys' cubic
-/// over four pixels misses 1/40 and bilinear weights 1/20, all windows of an image alike.
+/// Lagrange interpolation weights of six pixels, in 1/32768, for a position between the third and
+/// the fourth. Error for a wave of 5 px shifted by 1/4 px: 1/600 px; Keys' cubic 1/40 px, bilinear
+/// 1/20 px, correlated over all tiles of an image.
 using QuinticWeights = std::array<std::int16_t, 6>;
-/// `fraction_128`: 0 to 127.
+/// `fraction_128`: position in 1/128 px, 0 to 127.
 [[nodiscard]] const QuinticWeights& quintic_weights(int fraction_128);
 
 void measure_shifted(const ImageView& reference, const ImageView& current, const TileGrid& grid,
-                     const TilePlacement& placement, float gain, const TileEffort& effort,
+                     const TilePlacement& placement, float gain, const TileOptions& options,
                      TileTextures& textures, TileMeasurements& out);
 void measure_deformed(const ImageView& reference, const ImageView& current, const TileGrid& grid,
                       const TilePlacement& placement, float gain, TileTextures& textures,

@@ -1,5 +1,5 @@
-// The part of a tile's sums that is its reference's alone: compiled once a target of Highway, as
-// part of the kernels that include it.
+// Tile sums that depend on the reference only. Compiled once per Highway target as part of the
+// kernels that include this file.
 
 #if defined(STILLKITE_TILE_TEXTURE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef STILLKITE_TILE_TEXTURE_INL
@@ -19,7 +19,7 @@ namespace stillkite {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The sum of a and b's products of neighbours, added to `sum`.
+// sum + products of a and b, added in pairs of adjacent lanes.
 template <class V16, class V32>
 HWY_INLINE V32 add_products(V16 a, V16 b, V32 sum) {
   const hn::DFromV<V32> d;
@@ -28,11 +28,10 @@ HWY_INLINE V32 add_products(V16 a, V16 b, V32 sum) {
   return hn::Add(sum, odd);
 }
 
-// The sums of the lanes of four vectors, together: interleaved and added they take half of the
-// steps that they would take one by one.
+// Horizontal sums of four vectors. Interleaving them needs half the operations of four reductions.
 #if HWY_TARGET == HWY_SCALAR || HWY_HAVE_SCALABLE
 template <class VF>
-HWY_INLINE std::array<float, 4> totals(VF a, VF b, VF c, VF e) {
+HWY_INLINE std::array<float, 4> lane_sums(VF a, VF b, VF c, VF e) {
   const auto total = [](VF v) { return hn::GetLane(hn::SumOfLanes(hn::DFromV<VF>(), v)); };
   return {total(a), total(b), total(c), total(e)};
 }
@@ -50,19 +49,19 @@ HWY_INLINE std::array<float, 4> sum_of_blocks(VF sums) {
   }
 }
 template <class VF>
-HWY_INLINE std::array<float, 4> totals(VF a, VF b, VF c, VF e) {
+HWY_INLINE std::array<float, 4> lane_sums(VF a, VF b, VF c, VF e) {
   const hn::DFromV<VF> d;
   const hn::Repartition<double, decltype(d)> pairs;
   const VF ab = hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
   const VF ce = hn::Add(hn::InterleaveLower(d, c, e), hn::InterleaveUpper(d, c, e));
-  const auto of_ab = hn::BitCast(pairs, ab), of_ce = hn::BitCast(pairs, ce);
-  return sum_of_blocks(hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, of_ab, of_ce)),
-                               hn::BitCast(d, hn::InterleaveUpper(pairs, of_ab, of_ce))));
+  const auto pairs_ab = hn::BitCast(pairs, ab), pairs_ce = hn::BitCast(pairs, ce);
+  return sum_of_blocks(hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, pairs_ab, pairs_ce)),
+                               hn::BitCast(d, hn::InterleaveUpper(pairs, pairs_ab, pairs_ce))));
 }
 #endif
 
-// A sum per pair of columns with its moments about the middle of the tile. The moment along a row
-// takes a pair as one column, the one down the rows comes from the running sum of the sum.
+// Sum per pair of columns, and the running total of that sum, which gives the moment along y. The
+// moment along x treats a pair as one column.
 template <class V32>
 struct Moments {
   V32 sum;
@@ -74,8 +73,8 @@ struct Moments {
   }
 };
 
-// Gradients are differences over two pixels in 16-bit lanes; products are added up in 32-bit
-// lanes, a pair of columns each.
+// Gradients: differences over two pixels in 16-bit lanes. Products: sums in 32-bit lanes, one per
+// pair of columns.
 template <int kColumns>
 TileTexture texture_of(const std::uint8_t* reference, std::ptrdiff_t stride, int rows) {
   using D16 = hn::CappedTag<std::int16_t, kColumns>;
@@ -109,42 +108,43 @@ TileTexture texture_of(const std::uint8_t* reference, std::ptrdiff_t stride, int
       middle = down;
       p += stride;
     }
-    // a lane holds the pair of columns (2 k, 2 k + 1)
+    // lane k holds the columns (2 k, 2 k + 1)
     const VF column = hn::MulAdd(
         hn::Iota(DF(), 0.0F), hn::Set(DF(), 2.0F),
         hn::Set(DF(), static_cast<float>(first) - 0.5F * static_cast<float>(kColumns) + 1));
     const auto real = [&](V32 v) { return hn::ConvertTo(DF(), v); };
     const VF fxx = real(xx.sum), fxy = real(xy.sum), fyy = real(yy.sum), fx = real(x.sum),
              fy = real(y.sum);
-    const auto sum = totals(fxx, fxy, fyy, fx);
-    const auto by_x = totals(hn::Mul(fxx, column), hn::Mul(fxy, column), hn::Mul(fyy, column),
-                             hn::Mul(fx, column));
+    const auto sum = lane_sums(fxx, fxy, fyy, fx);
+    const auto by_x = lane_sums(hn::Mul(fxx, column), hn::Mul(fxy, column), hn::Mul(fyy, column),
+                                hn::Mul(fx, column));
     const auto running =
-        totals(real(xx.running), real(xy.running), real(yy.running), real(x.running));
-    const auto of_y = totals(fy, hn::Mul(fy, column), real(y.running), hn::Zero(DF()));
-    // row k entered the running sum rows - k times
+        lane_sums(real(xx.running), real(xy.running), real(yy.running), real(x.running));
+    const auto y_sums = lane_sums(fy, hn::Mul(fy, column), real(y.running), hn::Zero(DF()));
+    // row k is contained rows - k times in the running total
     const float last = 0.5F * static_cast<float>(rows + 1);
-    const auto add = [&](TileMoments& m, float unit, float all, float across, float ran) {
-      m.sum += unit * all;
-      m.by_x += unit * across;
-      m.by_y += unit * (last * all - ran);
+    const auto add = [&](TileMoments& m, float scale, float total, float moment_x,
+                         float running_total) {
+      m.sum += scale * total;
+      m.by_x += scale * moment_x;
+      m.by_y += scale * (last * total - running_total);
     };
     add(out.xx, 0.25F, sum[0], by_x[0], running[0]);
     add(out.xy, 0.25F, sum[1], by_x[1], running[1]);
     add(out.yy, 0.25F, sum[2], by_x[2], running[2]);
     add(out.x, 0.5F, sum[3], by_x[3], running[3]);
-    add(out.y, 0.5F, of_y[0], of_y[1], of_y[2]);
+    add(out.y, 0.5F, y_sums[0], y_sums[1], y_sums[2]);
   }
   return out;
 }
 
-// Learnt where it is not known yet.
+// Computes the texture on first use.
 template <int kColumns>
 HWY_INLINE const TileTexture& texture_at(const ImageView& reference, const TileGrid& grid, int i,
                                          TileTextures& textures) {
   const auto k = static_cast<std::size_t>(i);
-  if (textures.known[k] == 0) {
-    textures.known[k] = 1;
+  if (textures.computed[k] == 0) {
+    textures.computed[k] = 1;
     textures.tiles[k] =
         texture_of<kColumns>(reference.data + grid.top_px[k] * reference.stride + grid.left_px[k],
                              reference.stride, grid.rows);

@@ -6,18 +6,18 @@
 namespace stillkite {
 namespace {
 
-// Brown-Conrady with OpenCV's rational radial part.
+// Brown-Conrady with the rational radial polynomial of OpenCV.
 DistortedPoint radial_tangential(const std::array<double, 8>& c, const Eigen::Vector2d& p) {
   const auto [k1, k2, p1, p2, k3, k4, k5, k6] = c;
   const double x = p.x();
   const double y = p.y();
   const double r2 = x * x + y * y;
-  const double above = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const double below = 1 + r2 * (k4 + r2 * (k5 + r2 * k6));
-  const double radial = above / below;
-  const double d_above = k1 + r2 * (2 * k2 + r2 * 3 * k3);
-  const double d_below = k4 + r2 * (2 * k5 + r2 * 3 * k6);
-  const double d_radial = (d_above - radial * d_below) / below;  // by r^2
+  const double numerator = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  const double denominator = 1 + r2 * (k4 + r2 * (k5 + r2 * k6));
+  const double radial = numerator / denominator;
+  const double d_numerator = k1 + r2 * (2 * k2 + r2 * 3 * k3);
+  const double d_denominator = k4 + r2 * (2 * k5 + r2 * 3 * k6);
+  const double d_radial = (d_numerator - radial * d_denominator) / denominator;  // d(radial)/d(r^2)
 
   DistortedPoint out;
   out.pixel = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
@@ -28,19 +28,20 @@ DistortedPoint radial_tangential(const std::array<double, 8>& c, const Eigen::Ve
   return out;
 }
 
-// Kannala-Brandt: radius theta (1 + k1 theta^2 + k2 theta^4 + ...).
+// Kannala-Brandt: image radius = theta (1 + k1 theta^2 + k2 theta^4 + ...).
 DistortedPoint equidistant(const std::array<double, 8>& c, const Eigen::Vector2d& p) {
   const double r = p.norm();
   if (r < 1e-8) return {p, Eigen::Matrix2d::Identity()};
   const double theta = std::atan(r);
-  const double t2 = theta * theta;
-  const double poly = 1 + t2 * (c[0] + t2 * (c[1] + t2 * (c[2] + t2 * c[3])));
-  const double d_poly = 1 + t2 * (3 * c[0] + t2 * (5 * c[1] + t2 * (7 * c[2] + t2 * 9 * c[3])));
+  const double theta2 = theta * theta;
+  const double poly = 1 + theta2 * (c[0] + theta2 * (c[1] + theta2 * (c[2] + theta2 * c[3])));
+  const double d_poly =
+      1 + theta2 * (3 * c[0] + theta2 * (5 * c[1] + theta2 * (7 * c[2] + theta2 * 9 * c[3])));
   const double scale = theta * poly / r;
-  const double d_radius = d_poly / (1 + r * r);  // of the image radius by r
+  const double d_radius = d_poly / (1 + r * r);  // d(image radius)/dr
   const Eigen::Vector2d n = p / r;
-  const Eigen::Matrix2d along = n * n.transpose();
-  return {scale * p, scale * (Eigen::Matrix2d::Identity() - along) + d_radius * along};
+  const Eigen::Matrix2d projector = n * n.transpose();
+  return {scale * p, scale * (Eigen::Matrix2d::Identity() - projector) + d_radius * projector};
 }
 
 }  // namespace
@@ -71,19 +72,19 @@ std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vect
   if (camera.distortion == DistortionModel::none) return image;
   Eigen::Vector2d point = image;
   if (camera.distortion == DistortionModel::equidistant) {
-    // an equidistant image radius is about the angle, so start from the angle's tangent
+    // initial value: image radius = angle of incidence
     const double angle = std::min(image.norm(), 1.5);
     if (angle > 1e-8) point = image * (std::tan(angle) / image.norm());
   }
-  constexpr int kMaxSteps = 30;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  constexpr int kMaxIterations = 30;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const DistortedPoint at = distort(camera, point);
-    // a fold of the polynomial: no point of the plane is imaged here
+    // fold of the distortion polynomial: not invertible
     if (!(at.jacobian.determinant() > 1e-9 * focal.prod())) return std::nullopt;
     const Eigen::Vector2d error = at.pixel - pixel;
     point -= at.jacobian.inverse() * error;
     if (!(point.squaredNorm() < 1e6)) return std::nullopt;
-    // the step just taken squares what is left of the error
+    // quadratic convergence: `point` already includes one more iteration
     if (error.squaredNorm() < 1e-20 * focal.squaredNorm()) return point;
   }
   return (distort(camera, point).pixel - pixel).norm() < 1e-6

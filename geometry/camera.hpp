@@ -20,8 +20,8 @@ struct EnumNames<DistortionModel> {
        {DistortionModel::equidistant, "equidistant"}});
 };
 
-/// A pinhole camera with lens distortion. The centre of the first pixel is at (0, 0), as in OpenCV.
-/// Coefficients: radial_tangential k1 k2 p1 p2 k3 k4 k5 k6 (OpenCV's order, the rest zero);
+/// Pinhole camera with lens distortion. Centre of the first pixel: (0, 0), as in OpenCV.
+/// Coefficients: radial_tangential k1 k2 p1 p2 k3 k4 k5 k6 (OpenCV's order, unused ones zero);
 /// equidistant k1 k2 k3 k4 (Kannala-Brandt, OpenCV's fisheye).
 struct Camera {
   int width_px = 0;
@@ -36,23 +36,23 @@ struct Camera {
   bool operator==(const Camera&) const = default;
 };
 
-/// Distorted image of the point (x, y) of the plane z = 1, with d(pixel)/d(x, y).
+/// Pixel of the point (x, y) of the plane z = 1 and its Jacobian d(pixel)/d(x, y).
 struct DistortedPoint {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d jacobian;
 };
 [[nodiscard]] DistortedPoint distort(const Camera& camera, const Eigen::Vector2d& point);
 
-/// Pixel of a point in the camera frame; nothing if it is not in front of the camera.
+/// Pixel of a point in the camera frame; empty if the point is not in front of the camera.
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Camera& camera,
                                                      const Eigen::Vector3d& x_in_camera);
 
-/// Point (x, y) of the plane z = 1 that is seen at the pixel (Newton's method on `distort`);
-/// nothing where the lens model cannot be inverted.
+/// Point (x, y) of the plane z = 1 that projects to the pixel (Newton's method on `distort`); empty
+/// where the lens model is not invertible.
 [[nodiscard]] std::optional<Eigen::Vector2d> undistort(const Camera& camera,
                                                        const Eigen::Vector2d& pixel);
 
-/// The camera of the image of half size whose pixels are means of 2x2 pixels.
+/// Camera model of the image at half resolution, each pixel the mean of 2x2 pixels.
 [[nodiscard]] Camera half_resolution(const Camera& camera);
 
 }  // namespace stillkite

@@ -34,9 +34,9 @@ Eigen::Vector3d euler_rates(const EulerAngles& angles,
 }
 
 double wrap_angle_rad(double angle_rad) {
-  constexpr double kTurn = 2.0 * std::numbers::pi;
-  const double wrapped = std::remainder(angle_rad, kTurn);
-  return wrapped <= -std::numbers::pi ? wrapped + kTurn : wrapped;
+  constexpr double kFullCircle_rad = 2.0 * std::numbers::pi;
+  const double wrapped = std::remainder(angle_rad, kFullCircle_rad);
+  return wrapped <= -std::numbers::pi ? wrapped + kFullCircle_rad : wrapped;
 }
 
 double tilt_rad(const Eigen::Quaterniond& world_from_body) {

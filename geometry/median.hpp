@@ -6,8 +6,7 @@
 
 namespace stillkite {
 
-/// Of an even number the upper one of the middle two. Reorders the values, of which there is at
-/// least one.
+/// Median; of an even count the upper of the two middle values. Reorders `values`, not empty.
 template <typename T>
 [[nodiscard]] T upper_median(std::vector<T>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -15,7 +14,7 @@ template <typename T>
   return *middle;
 }
 
-/// Of an even number the mean of the middle two. Of at least one value.
+/// Median; of an even count the mean of the two middle values. `values`: not empty.
 [[nodiscard]] inline double median(std::vector<double> values) {
   const double upper = upper_median(values);
   if (values.size() % 2 == 1) return upper;

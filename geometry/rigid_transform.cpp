@@ -6,8 +6,8 @@
 namespace stillkite {
 
 RigidTransform RigidTransform::inverse() const {
-  const Eigen::Quaterniond back = rotation.conjugate();
-  return {back, -(back * translation)};
+  const Eigen::Quaterniond inverse_rotation = rotation.conjugate();
+  return {inverse_rotation, -(inverse_rotation * translation)};
 }
 
 Eigen::Vector3d RigidTransform::operator*(const Eigen::Vector3d& x) const {
@@ -26,14 +26,14 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
 
 Eigen::Quaterniond so3_exp(const Eigen::Vector3d& w) {
   const double angle = w.norm();
-  // sin(a/2)/a from its series where the division would lose digits
+  // Taylor series of sin(a/2)/a for small angles
   const double scale = angle < 1e-6 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
   const Eigen::Vector3d xyz = scale * w;
   return Eigen::Quaterniond(std::cos(0.5 * angle), xyz.x(), xyz.y(), xyz.z());
 }
 
 Eigen::Vector3d so3_log(const Eigen::Quaterniond& rotation) {
-  // q and -q are one rotation: take the one with the shorter way
+  // q and -q are the same rotation: use the one with |w| <= pi
   const double sign = rotation.w() < 0 ? -1.0 : 1.0;
   const double w = sign * rotation.w();
   const Eigen::Vector3d xyz = sign * rotation.vec();

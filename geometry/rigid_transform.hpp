@@ -37,14 +37,13 @@ struct StampedPose {
 /// Left Jacobian J of SO(3): exp(w + d) ~ exp(J d) exp(w).
 [[nodiscard]] Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w);
 
-/// Angle of the rotation that takes one to the other, in [0, pi] rad.
+/// Angle of the relative rotation, in [0, pi] rad.
 [[nodiscard]] double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 
-/// Angle between two directions, of any length, in [0, pi] rad.
+/// Angle between two vectors, in [0, pi] rad.
 [[nodiscard]] double angle_between_rad(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
-/// Pose between two poses: linear in translation, slerp in rotation; ratio 0 gives `a`, 1 gives
-/// `b`.
+/// Interpolated pose: translation linear, rotation slerp; ratio 0: `a`, ratio 1: `b`.
 [[nodiscard]] RigidTransform interpolate(const RigidTransform& a, const RigidTransform& b,
                                          double ratio);
 

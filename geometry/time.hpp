@@ -5,7 +5,7 @@
 
 namespace stillkite {
 
-/// A point in time, integer nanoseconds since the source's own epoch.
+/// Integer nanoseconds since the epoch of the source.
 struct Timestamp {
   std::int64_t ns = 0;
   auto operator<=>(const Timestamp&) const = default;

@@ -18,15 +18,16 @@ std::string read_text_file(const fs::path& file) {
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
   if (!fs::exists(status)) throw InputError(name + ": no such file; check the path");
-  if (fs::is_directory(status)) throw InputError(name + ": is a folder, a file is needed");
-  if (is_special_file(file)) throw InputError(name + ": is a pipe or a device, a file is needed");
+  if (fs::is_directory(status)) throw InputError(name + ": is a folder, expected a file");
+  if (is_special_file(file)) throw InputError(name + ": is a pipe or a device, expected a file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InputError(fmt::format("{}: cannot be read: {}", name, std::strerror(errno)));
   std::string text;
   std::string block(1 << 16, '\0');
   while (stream.read(block.data(), std::ssize(block)) || stream.gcount() > 0) {
     text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > kMaxBytes) throw InputError(name + ": larger than 1 GiB, not such a file");
+    if (text.size() > kMaxBytes)
+      throw InputError(name + ": larger than 1 GiB, not a text file of this program");
   }
   if (text.empty()) throw InputError(name + ": the file is empty");
   return text;
@@ -45,14 +46,14 @@ std::string expand_environment(const std::string& text, const std::string& where
   for (std::size_t open; (open = text.find("${", at)) != std::string::npos;) {
     const std::size_t close = text.find('}', open);
     if (close == std::string::npos) {
-      throw InputError(fmt::format("{}: '{}' has ${{ without }}", where, text));
+      throw InputError(fmt::format("{}: '{}' has ${{ without closing }}", where, text));
     }
     const std::string name = text.substr(open + 2, close - open - 2);
     const char* value = std::getenv(name.c_str());
     if (value == nullptr) {
       throw InputError(
-          fmt::format("{}: the environment variable {} of '{}' is not set; "
-                      "export it or write the path out",
+          fmt::format("{}: environment variable {} in '{}' is not set; "
+                      "export it or write the full path",
                       where, name, text));
     }
     out.append(text, at, open - at).append(value);

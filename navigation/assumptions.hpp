@@ -1,17 +1,17 @@
 #pragma once
 
-// What is assumed of every flight, in either mode.
+// Initial uncertainties and limits shared by all estimators.
 
 namespace stillkite {
 
-/// Variance of what is known exactly at the start, so that its covariance can be inverted.
-inline constexpr double kExact = 1e-8;
+/// Variance of exactly given initial values; positive, so that the covariance is invertible.
+inline constexpr double kExactVariance = 1e-8;
 
-/// At the start nothing is known of the speed: standard deviations in heights/s and rad/s.
-inline constexpr double kAnySpeed_heights_s = 2.0;
-inline constexpr double kAnyRate_rad_s = 2.0;
+/// Standard deviations of the unknown initial velocity, heights/s, and angular rate, rad/s.
+inline constexpr double kInitialSpeedSigma_heights_s = 2.0;
+inline constexpr double kInitialRateSigma_rad_s = 2.0;
 
-/// No frame leads further down than to this share of the height of what it is compared with.
-inline constexpr double kLowest = 0.1;
+/// Minimum height of a frame, as a ratio of the height of the frame it is aligned to.
+inline constexpr double kMinHeightRatio = 0.1;
 
 }  // namespace stillkite

@@ -11,8 +11,9 @@
 
 namespace stillkite {
 
-/// Both estimators on the same frames, and of each frame the answer of one (docs/choice.md). By
-/// the reference a row knows no lengths: its place is carried on, with a covariance that says so.
+/// Flow and reference estimator on the same frames; the output is selected frame by frame
+/// (docs/two_view_pose.md). The reference measures no length: with it the position is held, and its
+/// covariance grows.
 class BestNavigator {
  public:
   BestNavigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -21,8 +22,8 @@ class BestNavigator {
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
                           const SensorReadings& readings);
 
-  /// Of the estimator that was chosen.
-  [[nodiscard]] std::vector<WindowFlow> windows() const;
+  /// Flow vectors of the selected estimator.
+  [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;
 
  private:
   using FlowNavigator = std::variant<KeyframeNavigator, PaperNavigator>;
@@ -31,9 +32,9 @@ class BestNavigator {
                                      const NavigationEstimate& reference) const;
   [[nodiscard]] NavigationEstimate answer(const NavigationEstimate& flow,
                                           const NavigationEstimate& reference) const;
-  void take_unit(const NavigationEstimate& flow);
-  void take_up(const NavigationEstimate& flow, const Eigen::Quaterniond& world_from_body);
-  [[nodiscard]] GravityAlignment upright(const Matrix6d& pose_covariance) const;
+  void update_scale(const NavigationEstimate& flow);
+  void update_vertical(const NavigationEstimate& flow, const Eigen::Quaterniond& world_from_body);
+  [[nodiscard]] GravityAlignment gravity_alignment(const Matrix6d& pose_covariance) const;
 
   Camera camera_;
   RigidTransform body_from_camera_;
@@ -41,11 +42,11 @@ class BestNavigator {
   ReferenceNavigator reference_;
   EstimateChoice choice_;
   EstimateDecision decision_;
-  std::optional<RigidTransform> world_from_start_;  // the camera at the first frame
-  RigidTransform start_from_reference_;             // where the reference frame's camera was
-  RigidTransform start_from_home_;                  // that of the first one
+  std::optional<RigidTransform> world_from_initial_;  // camera at the first frame
+  RigidTransform initial_from_reference_;             // camera at the current reference frame
+  RigidTransform initial_from_first_reference_;
   Eigen::Vector3d up_in_world_ = Eigen::Vector3d::UnitZ();
-  double up_variance_;  // about either level axis
+  double up_variance_;  // about either horizontal axis
 };
 
 }  // namespace stillkite

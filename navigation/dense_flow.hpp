@@ -8,13 +8,13 @@
 
 namespace stillkite {
 
-/// The configured one of the dense flows.
+/// Dense optical flow by the configured method.
 class DenseFlow {
  public:
-  /// Throws InputError when a value is out of range.
+  /// Throws InputError if a value is out of range.
   explicit DenseFlow(const DenseFlowConfig& config);
 
-  /// Good until the next call.
+  /// Flow from `previous` to `current` (CV_8UC1); valid until the next call.
   const FlowField& operator()(const cv::Mat& previous, const cv::Mat& current) {
     return std::visit([&](auto& flow) -> const FlowField& { return flow(previous, current); },
                       flow_);

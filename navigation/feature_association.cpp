@@ -19,14 +19,14 @@ AssociationMethod make_association(const ReferenceConfig& config) {
   return FeatureMatcher(config.detector);
 }
 
-// At its very place; our own windows are left out where a part of them is hidden.
-void leave_out_hidden(FeatureTracks& tracks, const ImageMask& mask) {
-  const auto is_hidden = [&](const Eigen::Vector2f& at_px) {
-    return mask.hidden_ratio(at_px.x(), at_px.y(), 1, 1) > 0;
+// Tests the feature's pixel only; FeatureTracker tests its whole patch.
+void reject_masked(FeatureTracks& tracks, const ImageMask& mask) {
+  const auto is_masked = [&](const Eigen::Vector2f& at_px) {
+    return mask.masked_ratio(at_px.x(), at_px.y(), 1, 1) > 0;
   };
   for (std::size_t i = 0; i < tracks.found.size(); ++i) {
     if (tracks.found[i] == 0) continue;
-    if (!is_hidden(tracks.reference_px[i]) && !is_hidden(tracks.current_px[i])) continue;
+    if (!is_masked(tracks.reference_px[i]) && !is_masked(tracks.current_px[i])) continue;
     tracks.found[i] = 0;
     --tracks.found_count;
   }
@@ -49,7 +49,7 @@ FeatureAssociation::FeatureAssociation(const ReferenceConfig& config)
     : detector_(config.detector), method_(make_association(config)) {}
 
 bool FeatureAssociation::set_reference(const Frame& frame, int min_features,
-                                       const std::vector<cv::Point2f>& followed_px) {
+                                       const std::vector<cv::Point2f>& tracked_px) {
   if (std::holds_alternative<FeatureMatcher>(method_)) {
     FeatureMatcher matcher(detector_);
     matcher.set_reference(frame.grey);
@@ -57,29 +57,29 @@ bool FeatureAssociation::set_reference(const Frame& frame, int min_features,
     method_ = std::move(matcher);
     return true;
   }
-  std::vector<cv::Point2f> features_px = followed_px;
-  const std::vector<cv::Point2f> others_px = detect_features(
-      frame.grey, detector_, followed_px, frame.mask ? frame.mask->shows_world() : cv::Mat());
-  features_px.insert(features_px.end(), others_px.begin(), others_px.end());
+  std::vector<cv::Point2f> features_px = tracked_px;
+  const std::vector<cv::Point2f> new_px = detect_features(
+      frame.grey, detector_, tracked_px, frame.mask ? frame.mask->valid_pixels() : cv::Mat());
+  features_px.insert(features_px.end(), new_px.begin(), new_px.end());
   if (static_cast<int>(features_px.size()) < min_features) return false;
-  if (auto* windows = std::get_if<FeatureTracker>(&method_)) {
-    windows->set_reference(frame.grey, features_px);
+  if (auto* tracker = std::get_if<FeatureTracker>(&method_)) {
+    tracker->set_reference(frame.grey, features_px);
   } else {
     std::get<OpenCvFeatureTracker>(method_).set_reference(frame.grey, features_px);
   }
   return true;
 }
 
-const FeatureTracks& FeatureAssociation::find(const Frame& frame,
-                                              std::optional<double> known_turn_rad) {
-  if (auto* windows = std::get_if<FeatureTracker>(&method_)) {
-    windows->set_mask(frame.mask);
-    return windows->track(frame.grey, known_turn_rad);
+const FeatureTracks& FeatureAssociation::associate(const Frame& frame,
+                                                   std::optional<double> image_rotation_rad) {
+  if (auto* tracker = std::get_if<FeatureTracker>(&method_)) {
+    tracker->set_mask(frame.mask);
+    return tracker->track(frame.grey, image_rotation_rad);
   }
   const auto* matcher = std::get_if<FeatureMatcher>(&method_);
   tracks_ = matcher != nullptr ? tracks_of(matcher->match(frame.grey))
                                : std::get<OpenCvFeatureTracker>(method_).track(frame.grey);
-  if (frame.mask) leave_out_hidden(tracks_, *frame.mask);
+  if (frame.mask) reject_masked(tracks_, *frame.mask);
   return tracks_;
 }
 

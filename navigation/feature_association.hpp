@@ -8,20 +8,19 @@
 
 namespace stillkite {
 
-/// The features of a reference frame, found again in later ones.
+/// Association of a reference frame's features with later frames, by the configured method.
 class FeatureAssociation {
  public:
   explicit FeatureAssociation(const ReferenceConfig& config);
 
-  /// Nothing is found where the frame's mask hides it. False, and the former reference stays, where
-  /// the image has fewer features than that. The first of its features are those that were
-  /// followed up to here, where they are in the image.
+  /// Detects features outside the frame's mask; those at `tracked_px` are kept and come first.
+  /// Returns false and keeps the former reference if fewer than `min_features` are found.
   [[nodiscard]] bool set_reference(const Frame& frame, int min_features,
-                                   const std::vector<cv::Point2f>& followed_px = {});
-  /// The answer holds until the next call. The turn of the image since the reference, where it is
-  /// known, spares a search most of its time.
-  [[nodiscard]] const FeatureTracks& find(const Frame& frame,
-                                          std::optional<double> known_turn_rad = {});
+                                   const std::vector<cv::Point2f>& tracked_px = {});
+  /// Feature tracks from the reference to `frame`, valid until the next call.
+  /// `image_rotation_rad`: prior of the image rotation since the reference; speeds up a search.
+  [[nodiscard]] const FeatureTracks& associate(const Frame& frame,
+                                               std::optional<double> image_rotation_rad = {});
 
  private:
   DetectorConfig detector_;

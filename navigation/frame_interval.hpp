@@ -8,30 +8,29 @@
 
 namespace stillkite {
 
-/// What is known of a frame before anyone looks at what it shows.
+/// Interval between two frames, and the checks that precede any motion estimation.
 struct FrameInterval {
-  double dt_s = 0;                 ///< since the frame before; at least a millisecond
-  std::optional<Verdict> spoiled;  ///< first_frame, time_gap or frozen: there is no pair to compare
-  bool is_late = false;            ///< a time_gap with the stamp ahead, not behind
+  double dt_s = 0;                   ///< since the previous frame; at least 1 ms
+  std::optional<Verdict> rejection;  ///< first_frame, time_gap or frozen; empty: usable pair
+  bool is_forward_gap = false;       ///< time_gap with an ascending stamp
 };
 
-/// Compares every frame's stamp and pixels with those of the frame before.
+/// Compares the stamp and pixels of each frame with those of the previous one.
 class FrameClock {
  public:
   explicit FrameClock(double max_gap_s) : max_gap_s_(max_gap_s) {}
 
-  /// An image that was sent again may have been coded again, and differ a little. It is frozen
-  /// where the images moved, by `speed_px_s` in the frame before (0: not known), and now do not,
-  /// until they do.
-  FrameInterval pass(const Frame& frame, double speed_px_s = 0);
+  /// `speed_px_s`: image speed of the previous frame; 0: not measured. With it, a repeated image
+  /// that was encoded again is detected, too: it is frozen if the expected motion is absent.
+  FrameInterval check(const Frame& frame, double speed_px_s = 0);
 
  private:
-  [[nodiscard]] bool is_sent_again(const cv::Mat& grey, double moved_px);
+  [[nodiscard]] bool is_repeated(const cv::Mat& grey, double expected_px);
 
   double max_gap_s_;
   std::optional<Timestamp> last_stamp_;
-  cv::Mat last_image_;   // that was not frozen; shared with the source
-  double still_px_ = 0;  // while frozen: what shows less motion than this is so still
+  cv::Mat last_image_;          // last one that was not frozen; shared with the source
+  double frozen_below_px_ = 0;  // displacement threshold while frozen; 0: inactive
 };
 
 }  // namespace stillkite

@@ -37,7 +37,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
                                const NavigatorConfig& config, const InitialState& initial)
     : camera_(camera),
       body_from_camera_(body_from_camera),
-      world_from_start_(initial.world_from_body.rotation * body_from_camera.rotation),
+      world_from_initial_(initial.world_from_body.rotation * body_from_camera.rotation),
       config_(checked_fusion_config(config)),
       sensors_(config.sensors),
       scale_(initial.scale == ScaleSource::none ? ScaleSource::imu : initial.scale),
@@ -57,7 +57,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   // 1. Either estimator by itself: the flow's image is not searched for where it is of no use,
   //    and the reference's is told the vertical.
   const NavigationEstimate flow = flow_.step(frame, interval, readings, flow_hints());
-  if (flow_.has_leapt()) filter_.forget_start();
+  if (flow_.has_jumped()) filter_.forget_start();
   SensorReadings hints = readings;
   if (!hints.attitude) hints.attitude = guessed_attitude(flow);
   const Eigen::Quaterniond world_from_camera = *hints.attitude * body_from_camera_.rotation;
@@ -67,17 +67,17 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
       });
   StopWatch watch;
   // 2. Where the camera is by now, by its inertia.
-  if (interval.spoiled == Verdict::first_frame) scale_stamp_ = last_ = frame.stamp;
+  if (interval.rejection == Verdict::first_frame) scale_stamp_ = last_ = frame.stamp;
   predict(readings, frame.stamp, reference);
   update_from_sensors(readings, frame.stamp);
   // 3. How the ground has moved since the flow's keyframe, and the features since the reference.
-  const Seen seen = update_from_images(flow, reference, interval.spoiled.has_value());
+  const Seen seen = update_from_images(flow, reference, interval.rejection.has_value());
   const VectorEstimate velocity = mean_velocity(flow, seen.ground);
   const MotionEstimate since_reference = motion_since_reference(reference.reference->motion);
   // 4. The camera, wherever it is, is what new landmarks and the ground will be seen from.
   if (reference.reference->new_reference) take_reference(reference.reference->on_first_reference);
   if (flow.new_keyframe) filter_.take_keyframe();
-  const Verdict verdict = interval.spoiled                ? *interval.spoiled
+  const Verdict verdict = interval.rejection              ? *interval.rejection
                           : seen.ground || seen.landmarks ? Verdict::ok
                                                           : unmeasured(reference.verdict);
   NavigationEstimate out =
@@ -90,7 +90,7 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
 }
 
 FlowHints FusedNavigator::flow_hints() const {
-  FlowHints hints{.may_search = !has_relief_, .normal = {}};
+  FlowHints hints{.allow_search = !has_relief_, .normal = {}};
   if (is_ground_flat_) hints.normal = filter_.normal_in_keyframe();
   return hints;
 }
@@ -100,7 +100,7 @@ FusedNavigator::Seen FusedNavigator::update_from_images(const NavigationEstimate
                                                         bool is_spoiled) {
   const bool relocalized = reference.reference->relocalized;
   const bool on_first_reference = reference.reference->on_first_reference;
-  landmarks_.weigh(reference_.unit_variance());
+  landmarks_.add_unit_variance(reference_.unit_variance());
   flow_from_camera_ = flow.world_from_body * body_from_camera_;
   if (flow.scale != flow_scale_) reseat_anchor();  // its world has another unit now
   flow_scale_ = flow.scale;
@@ -209,7 +209,7 @@ void FusedNavigator::set_angular_rate(const NavigationEstimate& estimate) {
 
 void FusedNavigator::update_from_sensors(const SensorReadings& readings, Timestamp now) {
   const CameraReadings camera =
-      of_camera(readings, body_from_camera_, filter_.state().world_from_camera.rotation);
+      camera_readings(readings, body_from_camera_, filter_.state().world_from_camera.rotation);
   constexpr double kAlike = 3;  // frames, over which what an attitude is off by lasts
   if (camera.attitude) {
     filter_.update_up(camera.attitude->conjugate() * Eigen::Vector3d::UnitZ(),
@@ -252,7 +252,7 @@ void FusedNavigator::judge_ground(bool on_first_reference) {
   constexpr double kMostMisfit = 0.2;
   constexpr int kInARow = 5;
   constexpr double kShift_px = 0.3;
-  const GroundPlane ground = ground_seen_from(flow_from_anchor_);
+  const GroundPlane ground = ground_plane_in_camera(flow_from_anchor_);
   const std::optional<double> misfit =
       ground_misfit(reference_.bearings().pairs, flow_from_camera_.inverse() * flow_from_anchor_,
                     ground.normal_in_camera, ground.height_m, kShift_px / camera_.focal_x_px);
@@ -282,7 +282,7 @@ double FusedNavigator::correlated_frames() const {
 
 bool FusedNavigator::update_from_landmarks(bool on_first_reference) {
   const FeatureBearings& bearings = reference_.bearings();
-  landmarks_.choose(filter_, bearings, reference_.inliers(), on_first_reference);
+  landmarks_.select(filter_, bearings, reference_.inliers(), on_first_reference);
   const int taken = filter_.update_landmarks(landmarks_.views(bearings, reference_.inliers()));
   has_relief_ = !config_.flat_ground && filter_.shows_relief();
   if (has_relief_) is_ground_flat_ = false;
@@ -315,12 +315,12 @@ NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict,
   out.source = EstimateSource::fused;
   const RigidTransform world_from_camera = filter_.world_from_camera_m();
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
-  out.world_from_start =
-      RigidTransform{world_from_start_, filter_.start_m()} * body_from_camera_.inverse();
+  out.world_from_initial =
+      RigidTransform{world_from_initial_, filter_.start_m()} * body_from_camera_.inverse();
   out.pose_covariance = filter_.pose_covariance();
-  out.upright = {.aligned_from_world = filter_.aligned_from_world(),
-                 .pose_covariance = filter_.upright_pose_covariance(),
-                 .sigma_rad = filter_.up_sigma_rad()};
+  out.gravity_alignment = {.aligned_from_world = filter_.aligned_from_world(),
+                           .pose_covariance = filter_.upright_pose_covariance(),
+                           .sigma_rad = filter_.up_sigma_rad()};
   out.velocity_in_world_m_s = world_from_half_way() * velocity_in_camera.mean;
   out.twist_in_camera = {velocity_in_camera.mean, rate_in_camera_rad_s_};
   out.twist_covariance.topLeftCorner<3, 3>() = velocity_in_camera.covariance;

@@ -7,7 +7,7 @@
 #include "navigation/frame_interval.hpp"
 #include "navigation/fused_velocity.hpp"
 #include "navigation/keyframe_navigator.hpp"
-#include "navigation/landmark_choice.hpp"
+#include "navigation/landmark_selection.hpp"
 #include "navigation/reference_navigator.hpp"
 
 namespace stillkite {
@@ -24,7 +24,9 @@ class FusedNavigator {
                           const SensorReadings& readings);
 
   /// The reference's features.
-  [[nodiscard]] const std::vector<WindowFlow>& windows() const { return reference_.windows(); }
+  [[nodiscard]] const std::vector<WeightedFlow>& flow_vectors() const {
+    return reference_.flow_vectors();
+  }
 
  private:
   // What told something in this frame.
@@ -62,7 +64,7 @@ class FusedNavigator {
 
   Camera camera_;
   RigidTransform body_from_camera_;
-  Eigen::Quaterniond world_from_start_;  // of the camera
+  Eigen::Quaterniond world_from_initial_;  // of the camera
   FusionConfig config_;
   SensorConfig sensors_;
   ScaleSource scale_;
@@ -72,7 +74,7 @@ class FusedNavigator {
   RigidTransform flow_from_camera_;
   RigidTransform flow_from_anchor_;  // at the reference frame
   ScaleSource flow_scale_;
-  LandmarkChoice landmarks_;
+  LandmarkSelection landmarks_;
   FusionFilter filter_;
   FusionMap home_;         // as it was when the first reference was left
   Timestamp scale_stamp_;  // when the metres were last told

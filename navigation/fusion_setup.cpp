@@ -45,7 +45,7 @@ FusionStart fusion_start(const InitialState& initial, const RigidTransform& body
   constexpr double kAnyHeight_log = 1.5;  // a factor of 4.5
   const RigidTransform world_from_camera = initial.world_from_body * body_from_camera;
   return {.world_from_camera = world_from_camera,
-          .velocity_sigma = kAnySpeed_heights_s * world_from_camera.translation.z(),
+          .velocity_sigma = kInitialSpeedSigma_heights_s * world_from_camera.translation.z(),
           .tilt_sigma_rad = tilt_sigma_rad,
           .log_unit_sigma = initial.scale == ScaleSource::none ? kAnyHeight_log : 0};
 }

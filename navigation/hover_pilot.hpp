@@ -9,13 +9,13 @@
 
 namespace stillkite {
 
-/// What a tethered drone's computer knows beside an image when its command goes out.
+/// Sensor inputs of a tethered drone for one frame.
 struct TetheredReadings {
-  Timestamp now;                        ///< of the command, not before the exposure
-  std::optional<TetherReading> tether;  ///< the latest
-  /// At the exposure: IMU, heading zeroed at take-off. None: as StationAttitude has it.
+  Timestamp now;                        ///< time of the command, not before the exposure
+  std::optional<TetherReading> tether;  ///< latest reading
+  /// Attitude at the exposure (IMU, yaw zeroed at take-off); empty: StationAttitude supplies it.
   std::optional<Eigen::Quaterniond> station_from_body;
-  SensorReadings others;  ///< what the navigator may use
+  SensorReadings sensors;  ///< readings for the navigator
 };
 
 struct PilotStep {
@@ -23,34 +23,36 @@ struct PilotStep {
   HoldDecision decision;
 };
 
-/// One frame's journey on a tethered drone: how it has moved, and the command that takes it back.
+/// Position hold of a tethered drone: estimates the displacement from the reference pose and
+/// computes the tether command that corrects it.
 class HoverPilot {
  public:
-  /// Throws InputError as Navigator and HoldController do. `body_from_camera`: the gimbal's, which
-  /// keeps tilt and roll.
+  /// `body_from_camera`: mount of the gimbal, which keeps pitch and roll.
+  /// Throws InputError as Navigator and HoldController do.
   HoverPilot(const Camera& camera, const RigidTransform& body_from_camera,
              const NavigatorConfig& navigator, const EstimatorConfig& estimator,
              const HoldConfig& hold, const InitialState& initial);
 
   PilotStep step(const Frame& frame, const TetheredReadings& readings);
 
-  [[nodiscard]] std::vector<WindowFlow> windows() const { return navigator_.windows(); }
+  [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const { return navigator_.flow_vectors(); }
 
  private:
   RigidTransform body_from_camera_;
   Navigator navigator_;
   StationAttitude attitude_;
   HoldController controller_;
-  std::optional<Matrix6d> start_covariance_;  // of the first frame's pose
+  std::optional<Matrix6d> initial_covariance_;  // of the first frame's pose
 };
 
-/// What an estimate says to the controller: of the reference estimator its own answer, from a later
-/// reference with the attitude carried on from the first; of the flow navigator and of the fusion
-/// the way from the first frame's camera, of whose pose `start_covariance` was told then, metric
-/// where there is a scale; of a fusion that has none yet, the reference estimator's answer. Which
-/// status follows from what is seen: docs/choice.md.
+/// Motion relative to the reference pose, for the controller; status per policy:
+/// docs/hold_control.md.
+/// - Reference, or fusion without a scale: motion since the reference frame. After a reference
+///   change the attitude is chained to the first one.
+/// - Flow, or fusion with a scale: motion since the first frame, metric if there is a scale.
+/// `initial_covariance`: pose covariance of the first frame's estimate.
 [[nodiscard]] MotionEstimate motion_estimate(const NavigationEstimate& estimate,
-                                             const Matrix6d& start_covariance,
+                                             const Matrix6d& initial_covariance,
                                              const RigidTransform& body_from_camera);
 
 }  // namespace stillkite

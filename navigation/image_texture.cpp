@@ -8,9 +8,9 @@ namespace {
 
 constexpr int kBlock_px = 12;
 
-// Mean squared central difference of a block, (2 grey/px)^2: four times what noise of two grey
-// leaves on the third level of a pyramid.
-constexpr int kTextured = 4;
+// Mean squared central difference of a block, (2 grey/px)^2: four times the residue of noise with
+// sigma 2 grey on the third pyramid level.
+constexpr int kMinGradientEnergy = 4;
 
 std::int64_t squared_differences(const cv::Mat& grey, int top, int left) {
   std::int64_t sum = 0;
@@ -29,14 +29,14 @@ std::int64_t squared_differences(const cv::Mat& grey, int top, int left) {
 
 }  // namespace
 
-double textured_share(const cv::Mat& grey) {
+double textured_ratio(const cv::Mat& grey) {
   int blocks = 0;
   int textured = 0;
   for (int top = 1; top + kBlock_px < grey.rows; top += kBlock_px) {
     for (int left = 1; left + kBlock_px < grey.cols; left += kBlock_px) {
       ++blocks;
       const std::int64_t sum = squared_differences(grey, top, left);
-      textured += sum > 2 * kTextured * kBlock_px * kBlock_px ? 1 : 0;
+      textured += sum > 2 * kMinGradientEnergy * kBlock_px * kBlock_px ? 1 : 0;
     }
   }
   return blocks == 0 ? 0.0 : static_cast<double>(textured) / blocks;

@@ -4,15 +4,14 @@
 
 namespace stillkite {
 
-/// Share of the blocks of an image (CV_8UC1) that show texture: black, white, foggy, blurred and
-/// sky-only images have next to none. Meant for a coarse level of a pyramid, where noise is
-/// averaged away.
-[[nodiscard]] double textured_share(const cv::Mat& grey);
+/// Ratio of textured blocks in an image (CV_8UC1), 0..1; near 0 for black, white, fog, blur and
+/// sky. Intended for a coarse pyramid level, where noise is averaged out.
+[[nodiscard]] double textured_ratio(const cv::Mat& grey);
 
-/// Too little to measure a motion by.
-[[nodiscard]] inline bool is_bare(const cv::Mat& grey) {
-  constexpr double kLeastShare = 0.05;
-  return textured_share(grey) < kLeastShare;
+/// True if the texture is insufficient for motion estimation.
+[[nodiscard]] inline bool is_textureless(const cv::Mat& grey) {
+  constexpr double kMinTexturedRatio = 0.05;
+  return textured_ratio(grey) < kMinTexturedRatio;
 }
 
 }  // namespace stillkite

@@ -17,7 +17,7 @@ InertialStep in_camera(const InertialReading& reading, double dt_s,
 std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
                                          Timestamp from, Timestamp to,
                                          const Eigen::Quaterniond& body_from_camera) {
-  constexpr double kHeld_s = 0.02;
+  constexpr double kMaxHold_s = 0.02;
   std::vector<InertialStep> steps;
   steps.reserve(readings.size());
   Timestamp at = from;
@@ -28,8 +28,8 @@ std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& rea
     steps.push_back(in_camera(reading, seconds_between(at, reading.stamp), body_from_camera));
     at = reading.stamp;
   }
-  const double left_s = seconds_between(at, to);
-  if (!steps.empty() && left_s <= kHeld_s) steps.back().dt_s += left_s;
+  const double remaining_s = seconds_between(at, to);
+  if (!steps.empty() && remaining_s <= kMaxHold_s) steps.back().dt_s += remaining_s;
   return steps;
 }
 

@@ -9,9 +9,9 @@
 
 namespace stillkite {
 
-/// The interval's readings, each carrying on to its own stamp, and the last one up to `to` where
-/// that is no more than 20 ms later: an image falls between two of them. What they leave open else
-/// has none. Readings that are not finite, or out of turn, are left out.
+/// Integration steps of the readings in (from, to], in camera axes; each ends at its own stamp.
+/// The last one is extended to `to` over at most 20 ms, because an image falls between two
+/// readings. Readings that are not finite or not ascending are skipped.
 [[nodiscard]] std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& readings,
                                                        Timestamp from, Timestamp to,
                                                        const Eigen::Quaterniond& body_from_camera);

@@ -9,17 +9,17 @@
 #include "navigation/frame_interval.hpp"
 #include "navigation/navigation_estimate.hpp"
 #include "navigation/pose_track.hpp"
-#include "navigation/window_flow.hpp"
+#include "navigation/weighted_flow.hpp"
 
 namespace stillkite {
 
-/// What a filter around the flow tells it.
+/// Inputs of an enclosing filter.
 struct FlowHints {
-  bool may_search = true;  ///< the image for a lost keyframe, which takes several times as long
-  std::optional<Eigen::Vector3d> normal;  ///< of the ground in the keyframe, for the view alone
+  bool allow_search = true;  ///< search the image for a lost keyframe, several times an alignment
+  std::optional<Eigen::Vector3d> normal;  ///< ground normal in the keyframe, used by `view()` only
 };
 
-/// The recommended mode: every image is aligned to a keyframe (docs/flow_navigator.md).
+/// Recommended mode: every image is aligned to a keyframe (docs/plane_odometry.md).
 class KeyframeNavigator {
  public:
   KeyframeNavigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -28,34 +28,35 @@ class KeyframeNavigator {
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
                           const SensorReadings& readings, const FlowHints& hints = {});
 
-  /// Of the last frame; empty where nothing was aligned.
-  [[nodiscard]] std::vector<WindowFlow> windows() const;
+  /// Flow of the tiles since the previous frame; empty if nothing was aligned.
+  [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;
 
-  [[nodiscard]] bool has_leapt() const { return track_.has_leapt(); }
+  /// True if the last frame's displacement exceeds any plausible acceleration (PoseTrack).
+  [[nodiscard]] bool has_jumped() const { return track_.has_jumped(); }
 
-  /// What the last frame showed of the motion since the keyframe, before any filter, about a normal
-  /// near enough to the one that was hinted at for first order; nothing where its verdict is not
-  /// ok.
+  /// Motion since the keyframe as measured in the last frame, unfiltered. It is linearized at a
+  /// normal close to the hinted one. Empty unless the verdict is ok.
   [[nodiscard]] const std::optional<KeyframeView>& view() const { return view_; }
 
  private:
-  NavigationEstimate start(const Frame& frame, const SensorReadings& readings);
-  [[nodiscard]] PlaneAlignment align(bool may_search);
+  NavigationEstimate initialize(const Frame& frame, const SensorReadings& readings);
+  [[nodiscard]] PlaneAlignment align(bool allow_search);
   [[nodiscard]] PlaneMotion predicted_motion() const;
-  [[nodiscard]] bool is_prediction_vague() const;
-  [[nodiscard]] std::vector<PlaneMotion> searched_motions() const;
-  [[nodiscard]] bool fits(const PlaneAlignment& alignment) const;
+  [[nodiscard]] bool is_prediction_uncertain() const;
+  [[nodiscard]] std::vector<PlaneMotion> search_hypotheses() const;
+  [[nodiscard]] bool is_close_match(const PlaneAlignment& alignment) const;
   [[nodiscard]] bool is_better(const PlaneAlignment& a, const PlaneAlignment& b) const;
-  [[nodiscard]] PlaneAlignment align_from(const PlaneMotion& guess);
-  [[nodiscard]] bool learns_speed() const;
-  [[nodiscard]] PlaneAlignment align_at_speed(const PlaneMotion& guess, const MotionFilter& speed);
-  [[nodiscard]] KeyframeView view_of(const PlaneAlignment& alignment,
-                                     const std::optional<Eigen::Vector3d>& normal);
-  void remember_windows(const FrameInterval& interval);
-  void for_each_window(auto&& visit) const;
-  void tell_shift(double dt_s, NavigationEstimate& out) const;
-  [[nodiscard]] Verdict judge(const PlaneAlignment& alignment) const;
-  // True: a new keyframe is due.
+  [[nodiscard]] PlaneAlignment align_from(const PlaneMotion& initial);
+  [[nodiscard]] bool is_speed_initializing() const;
+  [[nodiscard]] PlaneAlignment align_with_velocity(const PlaneMotion& initial,
+                                                   const MotionFilter& velocity);
+  [[nodiscard]] KeyframeView make_view(const PlaneAlignment& alignment,
+                                       const std::optional<Eigen::Vector3d>& normal);
+  void store_tile_positions(const FrameInterval& interval);
+  void for_each_tile(auto&& visit) const;
+  void set_image_motion(double dt_s, NavigationEstimate& out) const;
+  [[nodiscard]] Verdict classify(const PlaneAlignment& alignment) const;
+  // both return true if a new keyframe is needed
   [[nodiscard]] bool count_success(const PlaneAlignment& alignment);
   [[nodiscard]] bool count_failure(Verdict verdict, const FrameInterval& interval);
   void take_keyframe();
@@ -66,14 +67,14 @@ class KeyframeNavigator {
   NavigatorConfig config_;
   PlaneAligner aligner_;
   PoseTrack track_;
-  Pyramid current_;  // that of the keyframe is the aligner's
+  Pyramid current_;  // the keyframe's pyramid is held by the aligner
   std::optional<KeyframeView> view_;
-  int windows_at_keyframe_ = 0;
-  int aligned_ = 0;                                   // frames since the speed was unknown
-  int failures_ = 0;                                  // frames in a row that did not align
-  std::vector<float> previous_x_px_, previous_y_px_;  // the windows, before the last alignment
+  int tiles_at_keyframe_ = 0;
+  int frames_since_speed_reset_ = 0;
+  int failures_ = 0;                                  // consecutive
+  std::vector<float> previous_x_px_, previous_y_px_;  // tiles before the last alignment
   bool keyframe_is_previous_ = false;
-  bool has_windows_ = false;
+  bool has_tiles_ = false;
 };
 
 }  // namespace stillkite

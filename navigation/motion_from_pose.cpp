@@ -3,8 +3,8 @@
 namespace stillkite {
 namespace {
 
-// The camera's origin seen from the reference, -R^T t, with its covariance: an error e of the
-// rotation (R = exp(e) R_true) and one of t move it by -R^T (e_t + [t]x e).
+// Camera origin in the reference frame, -R^T t. Errors e of the rotation (R = exp(e) R_true) and
+// e_t of t change it by -R^T (e_t + [t]x e).
 void set_displacement(const RelativePoseEstimate& pose, MotionEstimate& motion) {
   const Eigen::Matrix3d R = pose.pose.current_from_reference.toRotationMatrix();
   Eigen::Matrix<double, 3, 6> J;

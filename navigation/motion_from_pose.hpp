@@ -5,11 +5,11 @@
 
 namespace stillkite {
 
-/// The camera as the reference sees it, by a pose of the reference as the camera sees it; status
-/// ok, without stamp and speed.
+/// Camera pose in the reference frame (R^T, -R^T t) from the two-view pose (R, t); status ok.
+/// Stamp and twist are not set.
 [[nodiscard]] MotionEstimate motion_from_pose(const RelativePoseEstimate& pose);
 
-/// The inverse: displacement as it is, no covariance.
+/// Inverse of `motion_from_pose`, without covariance; the displacement keeps its scale.
 [[nodiscard]] RelativePose pose_from_motion(const MotionEstimate& motion);
 
 }  // namespace stillkite

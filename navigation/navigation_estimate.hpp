@@ -14,15 +14,16 @@
 
 namespace stillkite {
 
-/// How well the windows of one frame agreed.
+/// Agreement of one frame's flow vectors (of tiles, a dense field or features) with one motion.
 struct FlowQuality {
-  int windows = 0;          ///< windows that carried information
-  double inlier_ratio = 0;  ///< of them, the share that the one motion explains
+  int flow_vectors = 0;     ///< number with texture
+  double inlier_ratio = 0;  ///< 0..1, explained by the motion
   double mean_flow_px = 0;  ///< mean length, since the keyframe or reference if there is one
   double residual_px = 0;   ///< robust standard deviation of flow minus motion
-  double condition = 0;     ///< of the least squares' scaled normal matrix, >= 1
+  double condition = 0;     ///< condition number of the scaled normal matrix, >= 1; 0: not solved
 };
 
+/// Processing stages of a frame, for timing.
 enum class Stage { pyramid, flow, solve, filter };
 inline constexpr int kStageCount = 4;
 
@@ -35,30 +36,31 @@ struct EnumNames<Stage> {
                                                          {Stage::filter, "filter"}});
 };
 
-/// What the reference estimator says of one frame.
+/// Result of the reference estimator for one frame.
 struct ReferenceReport {
-  MotionEstimate motion;      ///< from the reference frame at hand; the fusion's, once in metres
-  Timestamp reference_stamp;  ///< of that frame
-  bool on_first_reference = true;  ///< it is the first one; else only rotation leads further back
-  bool new_reference = false;      ///< this frame is the reference from now on
-  bool relocalized = false;        ///< the first one was found again, in this frame
+  MotionEstimate motion;           ///< since the reference frame; of the fusion once that is metric
+  Timestamp reference_stamp;       ///< of the current reference frame
+  bool on_first_reference = true;  ///< false: only rotation is chained to the first reference
+  bool new_reference = false;      ///< this frame becomes the reference
+  bool relocalized = false;        ///< the first reference was matched again in this frame
   ViewModel model = ViewModel::undecided;
-  int features = 0;        ///< of the reference, found again
-  int inliers = 0;         ///< of them, those that the model explains
-  double residual_px = 0;  ///< robust standard deviation of the inliers from it
-  /// Mean since the frame before, by the images alone.
-  std::optional<Eigen::Vector3d> seen_rate_in_camera_rad_s;
+  int features = 0;        ///< number of associated reference features
+  int inliers = 0;         ///< number explained by the model
+  double residual_px = 0;  ///< robust standard deviation of the inliers' residuals
+  /// Mean angular rate since the previous frame, by images alone; empty: not measured.
+  std::optional<Eigen::Vector3d> measured_rate_in_camera_rad_s;
 };
 
-/// What is upright where the world is that of the first frame, whose pose stays as it was given.
+/// Gravity alignment of a world that is fixed by the initial attitude as it was given.
 struct GravityAlignment {
-  RigidTransform aligned_from_world;  ///< by the least turn, about the camera's place at the start
-  Matrix6d pose_covariance = Matrix6d::Zero();  ///< of the pose there, in its axes
-  double sigma_rad = 0;  ///< of the vertical, about the axis of which less is known
+  /// Smallest rotation that makes z vertical, about the initial camera position.
+  RigidTransform aligned_from_world;
+  Matrix6d pose_covariance = Matrix6d::Zero();  ///< of the aligned pose, aligned axes
+  double sigma_rad = 0;  ///< of the vertical, about the less certain horizontal axis
 };
 
-/// What one frame tells: the state at its stamp. Without any height (`scale` is none) every metre
-/// below is one initial height over the ground.
+/// State at a frame's stamp. W world (z up), B body, C camera (docs/notation.md). Lengths are in
+/// metres; without a scale source they are in initial heights above the ground.
 struct NavigationEstimate {
   Timestamp stamp;
   std::int64_t frame_index = 0;
@@ -66,41 +68,40 @@ struct NavigationEstimate {
   EstimateSource source = EstimateSource::flow;
 
   RigidTransform world_from_body;
-  RigidTransform world_from_start;  ///< the same at the first frame, in metres once there are any
-  Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in world
+  RigidTransform world_from_initial;  ///< body pose at the first frame, rescaled with the world
+  Matrix6d pose_covariance = Matrix6d::Zero();  ///< (translation, rotation vector), both in W
+  /// Alignment if the world keeps the given initial attitude (fused, best); empty: z is vertical.
+  std::optional<GravityAlignment> gravity_alignment;
 
-  std::optional<GravityAlignment> upright;  ///< where the world itself need not be
-
-  Twist twist_in_camera;  ///< filtered; with keyframes the mean over the interval, half way
-  Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate)
-  std::optional<Twist> measured_twist;           ///< this frame's least squares, before the filter
+  Twist twist_in_camera;  ///< filtered; with keyframes the interval's mean, in C at mid-interval
+  Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate), both in C
+  std::optional<Twist> measured_twist;           ///< least squares before the filter (paper mode)
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
-  /// Of the ground, since the last image that was not frozen but over the last interval; 0: not
-  /// measured.
+  /// Mean flow of the ground since the last non-frozen image, per last interval; 0: not measured.
   double image_speed_px_s = 0;
-  /// Of the ground, mean, since that image; nothing where it was not measured.
+  /// Mean flow vector of the ground since that image; empty: not measured.
   std::optional<Eigen::Vector2d> image_shift_px;
 
-  double hidden_ratio = 0;  ///< of the image: by its mask, and what was found to be fixed to it
+  double masked_ratio = 0;  ///< of the image, by the frame's mask and detected static overlays
 
   ScaleSource scale = ScaleSource::none;
   double scale_age_s = 0;  ///< since the last reading of that source
   bool new_keyframe = false;
   FlowQuality quality;
-  std::optional<ReferenceReport> reference;    ///< where the reference estimator ran
-  std::array<double, kStageCount> stage_ms{};  ///< by Stage
+  std::optional<ReferenceReport> reference;    ///< empty if the reference estimator does not run
+  std::array<double, kStageCount> stage_ms{};  ///< wall time, by Stage
 };
 
-/// The same in a world whose z is up: poses, covariance and velocity turned as `upright` has it;
-/// one whose world is upright by itself stays as it is.
+/// Estimate with poses, pose covariance and velocity in the gravity-aligned world. Returned
+/// unchanged if `gravity_alignment` is empty.
 [[nodiscard]] inline NavigationEstimate gravity_aligned(NavigationEstimate estimate) {
-  if (!estimate.upright) return estimate;
-  const RigidTransform& aligned_from_world = estimate.upright->aligned_from_world;
+  if (!estimate.gravity_alignment) return estimate;
+  const RigidTransform& aligned_from_world = estimate.gravity_alignment->aligned_from_world;
   estimate.world_from_body = aligned_from_world * estimate.world_from_body;
-  estimate.world_from_start = aligned_from_world * estimate.world_from_start;
+  estimate.world_from_initial = aligned_from_world * estimate.world_from_initial;
   estimate.velocity_in_world_m_s = aligned_from_world.rotation * estimate.velocity_in_world_m_s;
-  estimate.pose_covariance = estimate.upright->pose_covariance;
-  estimate.upright.reset();
+  estimate.pose_covariance = estimate.gravity_alignment->pose_covariance;
+  estimate.gravity_alignment.reset();
   return estimate;
 }
 

@@ -26,12 +26,11 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
   const double height_m = (initial.world_from_body * body_from_camera).translation.z();
   if (!(height_m > 0)) {
     throw InputError(fmt::format(
-        "navigator: the camera starts at the height {:.4g}; it must be over the ground, z > 0",
-        height_m));
+        "navigator: initial camera height {:.4g}; it must be above the ground, z > 0", height_m));
   }
   if (!(camera.width_px > 0 && camera.height_px > 0 && camera.focal_x_px > 0 &&
         camera.focal_y_px > 0)) {
-    throw InputError("navigator: the camera's size and focal lengths must be positive");
+    throw InputError("navigator: image size and focal lengths of the camera must be positive");
   }
   if (estimator.policy == Policy::reference) {
     return ReferenceNavigator(camera, body_from_camera, config, initial, estimator.mode);
@@ -49,28 +48,30 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
 
 void check_image(const Frame& frame, const Camera& camera) {
   const cv::Mat& grey = frame.grey;
-  if (frame.mask && frame.mask->shows_world().size() != grey.size()) {
-    throw InputError(fmt::format("frame {}: {}x{} pixels, its mask {}x{}", frame.index, grey.cols,
-                                 grey.rows, frame.mask->shows_world().cols,
-                                 frame.mask->shows_world().rows));
+  if (frame.mask && frame.mask->valid_pixels().size() != grey.size()) {
+    throw InputError(
+        fmt::format("frame {}: image {}x{} pixels, mask {}x{} pixels; both must have the same size",
+                    frame.index, grey.cols, grey.rows, frame.mask->valid_pixels().cols,
+                    frame.mask->valid_pixels().rows));
   }
   if (grey.type() == CV_8UC1 && grey.cols == camera.width_px && grey.rows == camera.height_px) {
     return;
   }
   throw InputError(fmt::format(
-      "frame {}: {}x{} pixels, {} bytes each; the camera has {}x{} of one byte", frame.index,
-      grey.cols, grey.rows, grey.elemSize(), camera.width_px, camera.height_px));
+      "frame {}: image {}x{} with {} bytes per pixel; the camera needs {}x{} with 1 byte",
+      frame.index, grey.cols, grey.rows, grey.elemSize(), camera.width_px, camera.height_px));
 }
 
-// A range finder without an echo may tell infinity. Inertial readings are looked at one by one.
+// A range finder without an echo may return infinity. `inertial_steps` checks the IMU readings.
 SensorReadings drop_non_finite(SensorReadings readings) {
-  const auto drop = [](auto& reading, bool is_number) {
-    if (!is_number) reading.reset();
+  const auto reset_unless = [](auto& reading, bool is_finite) {
+    if (!is_finite) reading.reset();
   };
-  if (readings.height_m) drop(readings.height_m, std::isfinite(*readings.height_m));
-  if (readings.attitude) drop(readings.attitude, readings.attitude->coeffs().allFinite());
-  if (readings.acceleration) drop(readings.acceleration, readings.acceleration->allFinite());
-  if (auto& rate = readings.mean_angular_rate_in_body_rad_s) drop(rate, rate->allFinite());
+  if (readings.height_m) reset_unless(readings.height_m, std::isfinite(*readings.height_m));
+  if (readings.attitude) reset_unless(readings.attitude, readings.attitude->coeffs().allFinite());
+  if (readings.acceleration)
+    reset_unless(readings.acceleration, readings.acceleration->allFinite());
+  if (auto& rate = readings.mean_angular_rate_in_body_rad_s) reset_unless(rate, rate->allFinite());
   return readings;
 }
 
@@ -80,8 +81,8 @@ struct Navigator::State {
   Camera camera;
   FrameClock clock;
   Method method;
-  StaticOverlayDetector fixtures;
-  double image_speed_px_s = 0;  // by the frame before
+  StaticOverlayDetector static_overlays;
+  double image_speed_px_s = 0;  // of the previous frame
 };
 
 Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -91,29 +92,30 @@ Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camer
           State{.camera = camera,
                 .clock = FrameClock(config.trust.max_gap_s),
                 .method = make_method(camera, body_from_camera, config, initial, estimator),
-                .fixtures = {}})) {}
+                .static_overlays = {}})) {}
 Navigator::~Navigator() = default;
 Navigator::Navigator(Navigator&&) noexcept = default;
 Navigator& Navigator::operator=(Navigator&&) noexcept = default;
 
-// A frame's journey is that of its method: KeyframeNavigator::step, PaperNavigator::step,
-// ReferenceNavigator::step, BestNavigator::step or FusedNavigator::step.
+// The estimation steps are in the method's `step`: KeyframeNavigator, PaperNavigator,
+// ReferenceNavigator, BestNavigator or FusedNavigator.
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
   check_image(frame, state_->camera);
-  const FrameInterval interval = state_->clock.pass(frame, state_->image_speed_px_s);
-  const SensorReadings numbers = drop_non_finite(readings);
-  const Frame masked = state_->fixtures.masked(frame);
+  const FrameInterval interval = state_->clock.check(frame, state_->image_speed_px_s);
+  const SensorReadings finite_readings = drop_non_finite(readings);
+  const Frame masked = state_->static_overlays.masked(frame);
   NavigationEstimate estimate = std::visit(
-      [&](auto& method) { return method.step(masked, interval, numbers); }, state_->method);
-  if (masked.mask) estimate.hidden_ratio = masked.mask->hidden_ratio();
+      [&](auto& method) { return method.step(masked, interval, finite_readings); }, state_->method);
+  if (masked.mask) estimate.masked_ratio = masked.mask->masked_ratio();
   state_->image_speed_px_s = estimate.image_speed_px_s;
-  state_->fixtures.learn(frame.grey, estimate.image_shift_px);
+  state_->static_overlays.update(frame.grey, estimate.image_shift_px);
   return estimate;
 }
 
-std::vector<WindowFlow> Navigator::windows() const {
-  return std::visit([](const auto& method) -> std::vector<WindowFlow> { return method.windows(); },
-                    state_->method);
+std::vector<WeightedFlow> Navigator::flow_vectors() const {
+  return std::visit(
+      [](const auto& method) -> std::vector<WeightedFlow> { return method.flow_vectors(); },
+      state_->method);
 }
 
 }  // namespace stillkite

@@ -11,7 +11,7 @@
 
 namespace stillkite {
 
-/// How the motion is found: as in the papers, or by what we recommend beyond them.
+/// Estimation procedure: as printed in the papers, or the recommended one.
 enum class Mode { paper, recommended };
 template <>
 struct EnumNames<Mode> {
@@ -19,7 +19,8 @@ struct EnumNames<Mode> {
       {{Mode::paper, "paper"}, {Mode::recommended, "recommended"}});
 };
 
-/// Which estimator's motion is the answer.
+/// Estimator whose result is returned: optical flow over the ground plane, relative pose to a
+/// reference image, one of both per frame (best), or a filter of both (fused).
 enum class Policy { flow, reference, best, fused };
 template <>
 struct EnumNames<Policy> {
@@ -34,14 +35,15 @@ struct EstimatorConfig {
   Policy policy = Policy::flow;
   Mode mode = Mode::recommended;
 
-  /// The fusion has but one.
+  /// Mode after `policy`: fused has the recommended mode only.
   [[nodiscard]] Mode mode_in_use() const {
     return policy == Policy::fused ? Mode::recommended : mode;
   }
 
   static void fields(auto& self, auto&& field) {
-    field("policy", self.policy, "whose motion is the answer");
-    field("mode", self.mode, "the papers' own steps, or ours; fused knows ours alone");
+    field("policy", self.policy, "estimator whose result is returned");
+    field("mode", self.mode,
+          "the papers' procedure or the recommended one; fused has the recommended one only");
   }
 };
 
@@ -52,17 +54,17 @@ struct KeyframeConfig {
   int give_up_after = 5;
 
   static void fields(auto& self, auto&& field) {
-    field("enabled", self.enabled, "align to a keyframe, not to the last frame");
+    field("enabled", self.enabled, "align to a keyframe instead of the previous frame");
     field("renew_at_flow_ratio", self.renew_at_flow_ratio, kPositive,
-          "mean flow from the keyframe, in image widths, at which a new one is taken");
+          "mean flow since the keyframe above which it is replaced, in image widths");
     field("renew_at_overlap", self.renew_at_overlap, Range{0.1, 1.0},
-          "share of the keyframe's windows still in view below which a new one is taken");
+          "ratio of the keyframe's tiles in view below which it is replaced");
     field("give_up_after", self.give_up_after, Range{1, 1000},
-          "frames in a row that do not align to it, after which a new one is taken as predicted");
+          "consecutive failed alignments after which it is replaced, at the predicted pose");
   }
 };
 
-/// When an alignment is not to be trusted.
+/// Acceptance limits of an alignment.
 struct TrustConfig {
   int min_windows = 12;
   double min_inlier_ratio = 0.4;
@@ -77,27 +79,31 @@ struct TrustConfig {
   double max_gap_s = 1.0;
 
   static void fields(auto& self, auto&& field) {
-    field("min_windows", self.min_windows, Range{1, 100000}, "windows with texture");
-    field("min_inlier_ratio", self.min_inlier_ratio, Range{0, 1}, "weight kept by those windows");
-    field("min_correlation", self.min_correlation, Range{-1, 1}, "of the aligned images");
+    field("min_windows", self.min_windows, Range{1, 100000}, "minimum number of textured tiles");
+    field("min_inlier_ratio", self.min_inlier_ratio, Range{0, 1},
+          "minimum mean robust weight of those tiles");
+    field("min_correlation", self.min_correlation, Range{-1, 1},
+          "minimum correlation of the aligned images");
     field("min_found_correlation", self.min_found_correlation, Range{-1, 1},
-          "of images aligned from a place that was searched, not foretold: who tries often errs");
+          "minimum correlation of images aligned from a search instead of the prediction");
     field("max_deviation_px", self.max_deviation_px, kPositive,
-          "of the windows from the one motion, beyond the noise, however little has moved");
-    field("max_deviation_ratio", self.max_deviation_ratio, kNotNegative,
-          "the same, for every pixel of mean flow since the keyframe");
+          "maximum deviation of the tiles from one rigid motion, beyond noise, without flow");
+    field("max_deviation_ratio", self.max_deviation_ratio, kNonNegative,
+          "additional maximum deviation per pixel of mean flow since the keyframe");
     field("rigid_correlation", self.rigid_correlation, Range{-1, 1},
-          "of the aligned images, from which on windows may deviate: the ground is rigid");
+          "correlation of the aligned images above which the deviation is not limited");
     field("max_last_update_px", self.max_last_update_px, kPositive,
-          "change of the windows' places in the last step, rms");
-    field("max_condition", self.max_condition, Range{.min = 1}, "of the scaled information");
-    field("min_ground_ratio", self.min_ground_ratio, Range{0, 1}, "windows below the horizon");
+          "maximum rms displacement of the tiles in the last iteration");
+    field("max_condition", self.max_condition, Range{.min = 1},
+          "maximum condition number of the scaled information matrix");
+    field("min_ground_ratio", self.min_ground_ratio, Range{0, 1},
+          "minimum ratio of tiles below the horizon");
     field("max_gap_s", self.max_gap_s, kPositive,
-          "without a measurement, longest to trust the last speed");
+          "maximum time without a measurement before the velocity is reset");
   }
 };
 
-/// How well other sensors know what they say, where there are any.
+/// Measurement noise of other sensors.
 struct SensorConfig {
   double gyro_sigma_rad_s = 0.005;
   double height_sigma_m = 0.1;
@@ -106,17 +112,19 @@ struct SensorConfig {
 
   static void fields(auto& self, auto&& field) {
     field("gyro_sigma_rad_s", self.gyro_sigma_rad_s, Range{1e-9, 1e9},
-          "of a mean angular rate, bias included");
-    field("height_sigma_m", self.height_sigma_m, Range{1e-9, 1e9}, "of a height");
-    field("attitude_sigma_rad", self.attitude_sigma_rad, Range{1e-9, 1e9}, "of a roll or pitch");
+          "standard deviation of a mean angular rate, bias included");
+    field("height_sigma_m", self.height_sigma_m, Range{1e-9, 1e9},
+          "standard deviation of a height");
+    field("attitude_sigma_rad", self.attitude_sigma_rad, Range{1e-9, 1e9},
+          "standard deviation of roll and pitch");
     field("start_height_sigma_ratio", self.start_height_sigma_ratio, Range{1e-9, 1e9},
-          "of the height at the start, once a sensor measures it too");
+          "relative standard deviation of the initial height, once a sensor measures height");
   }
 };
 
-/// Everything a navigator can be told. `alignment` to `filter` are the recommended flow's, `paper`
-/// is the flow paper's. The keys of the reference estimator, of the choice and of the fusion are
-/// listed beside these, not among them.
+/// Configuration of a Navigator. `alignment` to `filter`: recommended flow estimator; `paper`: flow
+/// paper. `reference`, `choice` and `fusion` are top-level sections of a config file, so `fields`
+/// does not list them.
 struct NavigatorConfig {
   double readout_s = 0;
   double initial_tilt_sigma_rad = 0.0175;
@@ -133,16 +141,16 @@ struct NavigatorConfig {
 
   static void fields(auto& self, auto&& field) {
     field("readout_s", self.readout_s, Range{0, 0.1},
-          "time from the first row's exposure to the last row's; 0: global shutter");
+          "rolling-shutter readout time, first to last row; 0: global shutter");
     field("initial_tilt_sigma_rad", self.initial_tilt_sigma_rad, Range{1e-6, 1},
-          "how well roll and pitch are known at the start, as a standard deviation");
+          "standard deviation of the initial roll and pitch");
     field("alignment", self.alignment, "direct alignment of two images of the ground");
-    field("keyframes", self.keyframes, "what an image is aligned to");
+    field("keyframes", self.keyframes, "keyframe selection");
     field("levelling", self.levelling, "roll and pitch from the ground's normal");
     field("filter", self.filter, "Kalman filter of pose, velocity and angular rate");
-    field("paper", self.paper, "the flow paper's own steps, in its mode");
-    field("sensors", self.sensors, "other sensors' standard deviations");
-    field("trust", self.trust, "limits beyond which a frame's answer is not used");
+    field("paper", self.paper, "procedure of the flow paper, for mode paper");
+    field("sensors", self.sensors, "measurement noise of other sensors");
+    field("trust", self.trust, "acceptance limits of an alignment");
   }
 };
 

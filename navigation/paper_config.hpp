@@ -11,7 +11,7 @@
 
 namespace stillkite {
 
-/// What measures the motion of every pixel: our dense Lucas-Kanade, or one of OpenCV's flows.
+/// Dense optical flow method: Lucas-Kanade of this project, or one of OpenCV's.
 enum class DenseFlowMethod { lucas_kanade, farneback, dis_ultrafast, dis_fast, dis_medium };
 
 template <>
@@ -30,13 +30,15 @@ struct DenseFlowConfig {
   DenseLucasKanadeConfig lucas_kanade;
 
   static void fields(auto& self, auto&& field) {
-    field("method", self.method, "what measures the motion of every pixel");
-    field("stride_px", self.stride_px, Range{1, 256}, "of the vectors that the least squares gets");
-    field("lucas_kanade", self.lucas_kanade, "the dense Lucas-Kanade");
+    field("method", self.method, "dense optical flow method");
+    field("stride_px", self.stride_px, Range{1, 256},
+          "spacing of the flow vectors used by the least squares");
+    field("lucas_kanade", self.lucas_kanade, "dense Lucas-Kanade");
   }
 };
 
-/// Euler's steps of position and angles, as the paper; or the closed form of a constant twist.
+/// Integration of the velocities: Euler steps of position and angles as in the paper, or the closed
+/// form for a constant twist.
 enum class Integration { euler, exact };
 
 template <>
@@ -45,7 +47,7 @@ struct EnumNames<Integration> {
       {{Integration::euler, "euler"}, {Integration::exact, "exact"}});
 };
 
-/// The flow paper's procedure (section 4). The defaults are the paper's own (section 5.1).
+/// Procedure of the flow paper, section 4, with the defaults of its section 5.1.
 struct PaperConfig {
   DenseFlowConfig flow;
   LeastSquaresConfig least_squares{.weighting = Weighting::plain};
@@ -54,9 +56,9 @@ struct PaperConfig {
 
   static void fields(auto& self, auto&& field) {
     field("flow", self.flow, "step 2: dense optical flow");
-    field("least_squares", self.least_squares, "step 3: the six velocities");
-    field("filter", self.filter, "step 4: a Kalman filter an axis");
-    field("integration", self.integration, "step 5: from velocities to the pose");
+    field("least_squares", self.least_squares, "step 3: least squares for six velocities");
+    field("filter", self.filter, "step 4: one Kalman filter per axis");
+    field("integration", self.integration, "step 5: integration of velocities to the pose");
   }
 };
 

@@ -26,41 +26,42 @@ PaperNavigator::PaperNavigator(const Camera& camera, const RigidTransform& body_
       solver_(camera, config.paper.least_squares) {
   const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
   track_.pose.world_from_camera = initial.world_from_body * body_from_camera;
-  track_.pose.covariance.diagonal() << kExact, kExact, kExact, tilt_variance, tilt_variance, kExact;
+  track_.pose.covariance.diagonal() << kExactVariance, kExactVariance, kExactVariance,
+      tilt_variance, tilt_variance, kExactVariance;
   track_.scale = initial.scale;
 }
 
 NavigationEstimate PaperNavigator::step(const Frame& frame, const FrameInterval& interval,
                                         const SensorReadings& readings) {
   StopWatch watch;
-  // 1. The frame before and this one, I(t) and I(t+1).
+  // 1. Frames I(t) and I(t+1).
   texture_.build(frame.grey, kTextureLevels);
-  if (interval.spoiled == Verdict::first_frame) return start(frame, readings);
+  if (interval.rejection == Verdict::first_frame) return initialize(frame, readings);
   const double pyramid_ms = watch.lap_ms();
-  // 2. and 3. The flow LK(I(t+1), I(t)), and the six velocities that explain it best.
+  // 2. and 3. Flow LK(I(t+1), I(t)); least squares for six velocities.
   const EgoMotion motion = measure(frame, interval, readings);
   (void)watch.lap_ms();
-  // 4. Predict with a(t) and filter, an axis each.
+  // 4. Predict with a(t) and filter each axis.
   filter(motion, readings, interval.dt_s);
   // 5. Integrate position and angles.
   integrate(motion, readings, interval.dt_s);
-  // 6. Other sensors' height and attitude, where there are any.
+  // 6. Update by height and attitude readings.
   correct(readings, frame.stamp);
-  // 7. The next frame.
+  // 7. Continue with the next frame.
   previous_ = frame.grey;
   NavigationEstimate out = answer(frame, motion);
   out.stage_ms = {pyramid_ms, flow_ms_, solve_ms_, watch.lap_ms()};
   return out;
 }
 
-NavigationEstimate PaperNavigator::start(const Frame& frame, const SensorReadings& readings) {
+NavigationEstimate PaperNavigator::initialize(const Frame& frame, const SensorReadings& readings) {
   track_.scale_stamp = frame.stamp;
   correct(readings, frame.stamp);
-  const double speed = kAnySpeed_heights_s * track_.pose.world_from_camera.translation.z();
+  const double speed = kInitialSpeedSigma_heights_s * track_.pose.world_from_camera.translation.z();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    axes_[i] = {0, i < 3 ? speed * speed : kAnyRate_rad_s * kAnyRate_rad_s};
+    axes_[i] = {0, i < 3 ? speed * speed : kInitialRateSigma_rad_s * kInitialRateSigma_rad_s};
   }
-  before_ = world_from_start_ = track_.pose.world_from_camera;
+  before_ = world_from_initial_ = track_.pose.world_from_camera;
   previous_ = frame.grey;
   return answer(frame, {.verdict = Verdict::first_frame});
 }
@@ -69,10 +70,10 @@ EgoMotion PaperNavigator::measure(const Frame& frame, const FrameInterval& inter
                                   const SensorReadings& readings) {
   StopWatch watch;
   flow_ms_ = solve_ms_ = 0;
-  windows_.clear();
-  if (interval.spoiled) return {.verdict = *interval.spoiled};
-  if (is_bare(texture_.level(texture_.levels() - 1))) return {};
-  windows_ = sampler_(flow_(previous_, frame.grey));
+  vectors_.clear();
+  if (interval.rejection) return {.verdict = *interval.rejection};
+  if (is_textureless(texture_.level(texture_.levels() - 1))) return {};
+  vectors_ = sampler_(flow_(previous_, frame.grey));
   flow_ms_ = watch.lap_ms();
   std::optional<TwistPrior> prior;
   if (readings.mean_angular_rate_in_body_rad_s) {
@@ -83,8 +84,8 @@ EgoMotion PaperNavigator::measure(const Frame& frame, const FrameInterval& inter
     prior->mean.angular_rate_rad_s = rate;
     prior->information.diagonal().tail<3>().setConstant(1 / (sigma * sigma));
   }
-  motion_ = solver_.solve(windows_, ground_seen_from(track_.pose.world_from_camera), interval.dt_s,
-                          prior);
+  motion_ = solver_.solve(vectors_, ground_plane_in_camera(track_.pose.world_from_camera),
+                          interval.dt_s, prior);
   dt_s_ = interval.dt_s;
   solve_ms_ = watch.lap_ms();
   return motion_;
@@ -103,14 +104,15 @@ void PaperNavigator::filter(const EgoMotion& motion, const SensorReadings& readi
   std::optional<AxisMeasurement> measured;
   if (motion.verdict == Verdict::ok) {
     measured = in_filter_axes(motion.twist, motion.covariance, attitude);
-  } else if (blind_s_ + dt_s > config_.trust.max_gap_s && blind_s_ <= config_.trust.max_gap_s) {
-    forget_speed();
+  } else if (unmeasured_s_ + dt_s > config_.trust.max_gap_s &&
+             unmeasured_s_ <= config_.trust.max_gap_s) {
+    reset_twist();
   }
   axes_ = filter_axes(config_.paper.filter, axes_, measured, acceleration, dt_s);
 }
 
-// What nothing has measured for too long is no speed any more.
-void PaperNavigator::forget_speed() {
+// Zero velocity with the former one in its standard deviation.
+void PaperNavigator::reset_twist() {
   for (AxisEstimate& axis : axes_) {
     const double sigma = std::abs(axis.value) + std::sqrt(axis.variance);
     axis = {0, sigma * sigma};
@@ -133,48 +135,49 @@ void PaperNavigator::integrate(const EgoMotion& motion, const SensorReadings& re
     after =
         integrate_twist(before_, {before_.rotation.conjugate() * v.head<3>(), v.tail<3>()}, dt_s);
   }
-  after.translation.z() = std::max(after.translation.z(), kLowest * before_.translation.z());
-  Matrix6d carried = track_.pose.covariance;
+  after.translation.z() =
+      std::max(after.translation.z(), kMinHeightRatio * before_.translation.z());
+  Matrix6d propagated = track_.pose.covariance;
 
-  // A measured step errs on its own; without measurement the error is one of speed and goes on.
+  // Measured steps have independent errors; unmeasured ones share the velocity error.
   Matrix6d step = Matrix6d::Zero();
   if (motion.verdict == Verdict::ok) {
     Matrix6d J = Matrix6d::Zero();
     const Eigen::Matrix3d R = before_.rotation.toRotationMatrix();
     J.topLeftCorner<3, 3>() = J.bottomRightCorner<3, 3>() = dt_s * R;
     step = J * motion.covariance * J.transpose();
-    carried = carried_covariance(track_.pose, after);
-    blind_s_ = 0;
+    propagated = propagated_covariance(track_.pose, after);
+    unmeasured_s_ = 0;
   } else {
-    const double t2 = dt_s * (2 * blind_s_ + dt_s);  // of (t + dt)^2 - t^2
+    const double t2 = dt_s * (2 * unmeasured_s_ + dt_s);  // (t + dt)^2 - t^2
     for (int i = 0; i < 6; ++i) step(i, i) = t2 * axes_[static_cast<std::size_t>(i)].variance;
     const Eigen::Matrix3d R = before_.rotation.toRotationMatrix();
     step.bottomRightCorner<3, 3>() = R * step.bottomRightCorner<3, 3>() * R.transpose();
-    blind_s_ += dt_s;
+    unmeasured_s_ += dt_s;
   }
-  track_.pose = {after, carried + step};
+  track_.pose = {after, propagated + step};
 }
 
 void PaperNavigator::correct(const SensorReadings& readings, Timestamp now) {
   const ScaledPose before = track_;
   const Eigen::Quaterniond& attitude = before.pose.world_from_camera.rotation;
-  track_ =
-      with_readings(before, of_camera(readings, body_from_camera_, attitude), config_.sensors, now);
+  track_ = apply_readings(before, camera_readings(readings, body_from_camera_, attitude),
+                          config_.sensors, now);
   if (before.scale == ScaleSource::none && track_.scale != ScaleSource::none) {
-    // start and speed were in heights too
+    // initial pose and velocity were in heights, too
     const double factor = track_.pose.world_from_camera.translation.z() /
                           before.pose.world_from_camera.translation.z();
-    world_from_start_.translation *= factor;
+    world_from_initial_.translation *= factor;
     for (std::size_t i = 0; i < 3; ++i) {
       axes_[i] = {factor * axes_[i].value, factor * factor * axes_[i].variance};
     }
   }
 }
 
-Twist PaperNavigator::twist_half_way() const {
+Twist PaperNavigator::mid_interval_twist() const {
   const Vector6d v = velocities();
-  const RigidTransform half_way = interpolate(before_, track_.pose.world_from_camera, 0.5);
-  return {half_way.rotation.conjugate() * v.head<3>(), v.tail<3>()};
+  const RigidTransform midpoint = interpolate(before_, track_.pose.world_from_camera, 0.5);
+  return {midpoint.rotation.conjugate() * v.head<3>(), v.tail<3>()};
 }
 
 NavigationEstimate PaperNavigator::answer(const Frame& frame, const EgoMotion& motion) const {
@@ -184,9 +187,9 @@ NavigationEstimate PaperNavigator::answer(const Frame& frame, const EgoMotion& m
   out.frame_index = frame.index;
   out.verdict = motion.verdict;
   out.world_from_body = world_from_camera * body_from_camera_.inverse();
-  out.world_from_start = world_from_start_ * body_from_camera_.inverse();
+  out.world_from_initial = world_from_initial_ * body_from_camera_.inverse();
   out.pose_covariance = track_.pose.covariance;
-  out.twist_in_camera = twist_half_way();
+  out.twist_in_camera = mid_interval_twist();
   Vector6d variance;
   for (int i = 0; i < 6; ++i) variance(i) = axes_[static_cast<std::size_t>(i)].variance;
   Matrix6d J = Matrix6d::Identity();
@@ -199,29 +202,29 @@ NavigationEstimate PaperNavigator::answer(const Frame& frame, const EgoMotion& m
     out.scale_age_s = seconds_between(track_.scale_stamp, frame.stamp);
   }
   double flow_px = 0;
-  for (const FlowWindow& window : windows_) flow_px += static_cast<double>(window.flow_px.norm());
+  for (const FlowVector& vector : vectors_) flow_px += static_cast<double>(vector.flow_px.norm());
   out.quality = {
-      .windows = motion.windows,
+      .flow_vectors = motion.vectors,
       .inlier_ratio = motion.inlier_ratio,
-      .mean_flow_px = windows_.empty() ? 0 : flow_px / static_cast<double>(windows_.size()),
+      .mean_flow_px = vectors_.empty() ? 0 : flow_px / static_cast<double>(vectors_.size()),
       .residual_px = motion.residual_px,
       .condition = std::isfinite(motion.condition) ? motion.condition : 0};
   if (motion.verdict == Verdict::ok) out.image_speed_px_s = out.quality.mean_flow_px / dt_s_;
   return out;
 }
 
-std::vector<WindowFlow> PaperNavigator::windows() const {
-  std::vector<WindowFlow> out;
-  const GroundPlane ground = ground_seen_from(before_);
+std::vector<WeightedFlow> PaperNavigator::flow_vectors() const {
+  std::vector<WeightedFlow> out;
+  const GroundPlane ground = ground_plane_in_camera(before_);
   const double inlier_px = config_.paper.least_squares.inlier_px;
-  for (const FlowWindow& window : windows_) {
-    if (!(window.information_xx + window.information_yy > 0)) continue;
-    const auto bearing = undistort(camera_, window.pixel.cast<double>());
+  for (const FlowVector& vector : vectors_) {
+    if (!(vector.information_xx + vector.information_yy > 0)) continue;
+    const auto bearing = undistort(camera_, vector.pixel.cast<double>());
     if (!bearing) continue;
     const Eigen::Vector2d explained_px =
         motion_field_px(camera_, ground, *bearing) * motion_.twist.vector() * dt_s_;
-    const bool inlier = (window.flow_px.cast<double>() - explained_px).norm() <= inlier_px;
-    out.push_back({window.pixel + window.flow_px, window.flow_px, inlier ? 1.0F : 0.0F});
+    const bool inlier = (vector.flow_px.cast<double>() - explained_px).norm() <= inlier_px;
+    out.push_back({vector.pixel + vector.flow_px, vector.flow_px, inlier ? 1.0F : 0.0F});
   }
   return out;
 }

@@ -12,34 +12,36 @@ PoseTrack::PoseTrack(const RigidTransform& body_from_camera, const NavigatorConf
     : body_from_camera_(body_from_camera), config_(config), filter_(config.filter) {
   const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
   keyframe_.pose.world_from_camera = initial.world_from_body * body_from_camera;
-  keyframe_.pose.covariance.diagonal() << kExact, kExact, kExact, tilt_variance, tilt_variance,
-      kExact;
+  keyframe_.pose.covariance.diagonal() << kExactVariance, kExactVariance, kExactVariance,
+      tilt_variance, tilt_variance, kExactVariance;
   keyframe_.scale = initial.scale;
 }
 
-void PoseTrack::start(const SensorReadings& readings, Timestamp now) {
+void PoseTrack::initialize(const SensorReadings& readings, Timestamp now) {
   keyframe_.scale_stamp = now;
   const Eigen::Quaterniond& attitude = keyframe_.pose.world_from_camera.rotation;
-  keyframe_ = with_readings(keyframe_, of_camera(readings, body_from_camera_, attitude),
-                            config_.sensors, now);
+  keyframe_ = apply_readings(keyframe_, camera_readings(readings, body_from_camera_, attitude),
+                             config_.sensors, now);
   camera_ = keyframe_.pose;
-  world_from_start_ = camera_.world_from_camera;
-  filter_.start(camera_.world_from_camera,
-                kAnySpeed_heights_s * camera_.world_from_camera.translation.z(), kAnyRate_rad_s);
+  world_from_initial_ = camera_.world_from_camera;
+  filter_.initialize(camera_.world_from_camera,
+                     kInitialSpeedSigma_heights_s * camera_.world_from_camera.translation.z(),
+                     kInitialRateSigma_rad_s);
   take_keyframe();
 }
 
 void PoseTrack::predict(double dt_s, const SensorReadings& readings) {
-  has_leapt_ = false;
+  has_jumped_ = false;
   const double max_gap_s = config_.trust.max_gap_s;
-  const double with_speed_s = std::clamp(max_gap_s - blind_s_, 0.0, dt_s);
-  if (with_speed_s > 0) filter_.predict(with_speed_s);
-  if (with_speed_s < dt_s) {
-    if (blind_s_ <= max_gap_s) forget_speed();
-    filter_.predict(dt_s - with_speed_s);
+  const double predicted_s = std::clamp(max_gap_s - unmeasured_s_, 0.0, dt_s);
+  if (predicted_s > 0) filter_.predict(predicted_s);
+  if (predicted_s < dt_s) {
+    if (unmeasured_s_ <= max_gap_s) reset_twist();
+    filter_.predict(dt_s - predicted_s);
   }
-  if (filter_.pose().translation.z() < kLowest * keyframe_.pose.world_from_camera.translation.z()) {
-    forget_speed();
+  if (filter_.pose().translation.z() <
+      kMinHeightRatio * keyframe_.pose.world_from_camera.translation.z()) {
+    reset_twist();
   }
   if (readings.mean_angular_rate_in_body_rad_s) {
     const Eigen::Vector3d rate =
@@ -47,29 +49,29 @@ void PoseTrack::predict(double dt_s, const SensorReadings& readings) {
     const double sigma = config_.sensors.gyro_sigma_rad_s;
     filter_.update_rate(rate, sigma * sigma * Eigen::Matrix3d::Identity());
   }
-  blind_s_ += dt_s;
+  unmeasured_s_ += dt_s;
 }
 
-// The camera stays where it is, as uncertain as if it had gone on.
-void PoseTrack::forget_speed() {
-  const Matrix6d known = filter_.twist_covariance();
+// Holds the position; the former velocity becomes its standard deviation.
+void PoseTrack::reset_twist() {
+  const Matrix6d covariance = filter_.twist_covariance();
   const Twist twist = filter_.twist_in_camera();
-  const double lowest_m = kLowest * keyframe_.pose.world_from_camera.translation.z();
-  const double too_low_m = std::max(0.0, lowest_m - filter_.pose().translation.z());
-  filter_.transform_world({Eigen::Quaterniond::Identity(), {0, 0, too_low_m}});
-  filter_.forget_speed(
-      twist.velocity_m_s.norm() + std::sqrt(known.diagonal().head<3>().maxCoeff()),
-      twist.angular_rate_rad_s.norm() + std::sqrt(known.diagonal().tail<3>().maxCoeff()));
+  const double min_height_m = kMinHeightRatio * keyframe_.pose.world_from_camera.translation.z();
+  const double height_correction_m = std::max(0.0, min_height_m - filter_.pose().translation.z());
+  filter_.transform_world({Eigen::Quaterniond::Identity(), {0, 0, height_correction_m}});
+  filter_.reset_twist(
+      twist.velocity_m_s.norm() + std::sqrt(covariance.diagonal().head<3>().maxCoeff()),
+      twist.angular_rate_rad_s.norm() + std::sqrt(covariance.diagonal().tail<3>().maxCoeff()));
 }
 
 MotionFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
-  MotionFilter informed = filter_;
-  tell(informed, chain(keyframe_.pose, alignment, config_.levelling), alignment);
-  return informed;
+  MotionFilter updated = filter_;
+  update_filter(updated, chain(keyframe_.pose, alignment, config_.levelling), alignment);
+  return updated;
 }
 
-void PoseTrack::tell(MotionFilter& filter, const ChainedPose& chained,
-                     const PlaneAlignment& alignment) const {
+void PoseTrack::update_filter(MotionFilter& filter, const ChainedPose& chained,
+                              const PlaneAlignment& alignment) const {
   const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
   Twist assumed = Twist::from_vector(alignment.shutter.current_twist);
   assumed.velocity_m_s *= world_from_keyframe.translation.z();
@@ -77,46 +79,45 @@ void PoseTrack::tell(MotionFilter& filter, const ChainedPose& chained,
                 assumed, chained.camera_by_twist);
 }
 
-void PoseTrack::accept(const PlaneAlignment& alignment, const SensorReadings& readings,
+void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& readings,
                        Timestamp now) {
   correct_keyframe(alignment, readings, now);
   const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
-  const double leap_m = leap_to(chained);
-  has_leapt_ = leap_m > 0;
-  if (has_leapt_) {  // where it is the images show; how fast they do not
-    filter_.doubt_place(leap_m);
-    forget_speed();
+  const double jump_m = position_jump_m(chained);
+  has_jumped_ = jump_m > 0;
+  if (has_jumped_) {  // the images measure the position, not the velocity
+    filter_.inflate_position_covariance(jump_m);
+    reset_twist();
   }
-  tell(filter_, chained, alignment);
+  update_filter(filter_, chained, alignment);
   camera_ = chained.camera;
-  level_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
-  beyond_filter_ = camera_.covariance - filter_.pose_covariance();
-  blind_s_ = 0;
+  levelled_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
+  covariance_offset_ = camera_.covariance - filter_.pose_covariance();
+  unmeasured_s_ = 0;
 }
 
-// 0: no further than a drone may have been accelerated.
-double PoseTrack::leap_to(const ChainedPose& chained) const {
-  constexpr double kMost_m_s2 = 50;
+// Position innovation if it exceeds the maximum acceleration and five sigma, else 0.
+double PoseTrack::position_jump_m(const ChainedPose& chained) const {
+  constexpr double kMaxAcceleration_m_s2 = 50;
   constexpr double kSigmas = 5;
   if (keyframe_.scale == ScaleSource::none) return 0;
-  const RigidTransform seen = keyframe_.pose.world_from_camera * chained.keyframe_from_camera;
-  const double off_m = (seen.translation - filter_.pose().translation).norm();
+  const RigidTransform measured = keyframe_.pose.world_from_camera * chained.keyframe_from_camera;
+  const double innovation_m = (measured.translation - filter_.pose().translation).norm();
   const double variance_m2 =
       (filter_.pose_covariance() + chained.relative_covariance).topLeftCorner<3, 3>().trace();
-  const double most_m =
-      std::max(kMost_m_s2 * blind_s_ * blind_s_, kSigmas * std::sqrt(variance_m2));
-  return off_m > most_m ? off_m : 0;
+  const double max_innovation_m = std::max(kMaxAcceleration_m_s2 * unmeasured_s_ * unmeasured_s_,
+                                           kSigmas * std::sqrt(variance_m2));
+  return innovation_m > max_innovation_m ? innovation_m : 0;
 }
 
-// A reading at this frame says what it would have been at the keyframe: the alignment knows the
-// ratio of the heights and the turn.
+// The alignment's height ratio and rotation transfer a reading at this frame to the keyframe.
 void PoseTrack::correct_keyframe(const PlaneAlignment& alignment, const SensorReadings& readings,
                                  Timestamp now) {
   if (!readings.height_m && !readings.attitude) return;
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
   const RigidTransform& camera = chained.camera.world_from_camera;
-  CameraReadings at_keyframe = of_camera(readings, body_from_camera_, camera.rotation);
+  CameraReadings at_keyframe = camera_readings(readings, body_from_camera_, camera.rotation);
   if (at_keyframe.height_m) {
     *at_keyframe.height_m *=
         chained.keyframe.world_from_camera.translation.z() / camera.translation.z();
@@ -125,43 +126,45 @@ void PoseTrack::correct_keyframe(const PlaneAlignment& alignment, const SensorRe
     at_keyframe.attitude =
         *at_keyframe.attitude * chained.keyframe_from_camera.rotation.conjugate();
   }
-  const ScaledPose corrected = with_readings(keyframe_, at_keyframe, config_.sensors, now);
-  // the filter's world follows
+  const ScaledPose corrected = apply_readings(keyframe_, at_keyframe, config_.sensors, now);
+  // transform the filter's world accordingly
   const RigidTransform& from = keyframe_.pose.world_from_camera;
   const RigidTransform& to = corrected.pose.world_from_camera;
   const double factor = to.translation.z() / from.translation.z();
-  if (keyframe_.scale == ScaleSource::none) {  // all of it was in initial heights
-    world_from_start_.translation *= factor;
+  if (keyframe_.scale == ScaleSource::none) {  // lengths were in initial heights
+    world_from_initial_.translation *= factor;
     keyframe_twist_.velocity_m_s *= factor;
   }
-  filter_.stretch_world(factor);
+  filter_.rescale_world(factor);
   filter_.transform_world(to * RigidTransform{from.rotation, factor * from.translation}.inverse());
   keyframe_ = corrected;
 }
 
 void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
-  camera_ = {level_from_filter_ * filter_.pose(), beyond_filter_ + filter_.pose_covariance()};
-  if (keyframe_.scale == ScaleSource::none) return;  // no alignment to hand a scale back by
-  ScaledPose known = keyframe_;
-  known.pose = camera_;
-  const ScaledPose corrected = with_readings(
-      known, of_camera(readings, body_from_camera_, camera_.world_from_camera.rotation),
+  camera_ = {levelled_from_filter_ * filter_.pose(),
+             covariance_offset_ + filter_.pose_covariance()};
+  if (keyframe_.scale == ScaleSource::none)
+    return;  // no alignment transfers a scale to the keyframe
+  ScaledPose current = keyframe_;
+  current.pose = camera_;
+  const ScaledPose corrected = apply_readings(
+      current, camera_readings(readings, body_from_camera_, camera_.world_from_camera.rotation),
       config_.sensors, now);
   camera_ = corrected.pose;
-  keyframe_.refused_heights = corrected.refused_heights;
-  keyframe_.refused_m = corrected.refused_m;
+  keyframe_.rejected_heights = corrected.rejected_heights;
+  keyframe_.rejected_reading_m = corrected.rejected_reading_m;
   if (corrected.scale == keyframe_.scale) keyframe_.scale_stamp = corrected.scale_stamp;
 }
 
 void PoseTrack::take_keyframe() {
-  // the world as the filter sees it becomes the levelled one
+  // move the filter to the levelled world
   filter_.transform_world(camera_.world_from_camera * filter_.pose().inverse());
   keyframe_.pose = camera_;
   keyframe_twist_ = filter_.twist_in_camera();
-  level_from_filter_ = {};
-  // where a keyframe is that nothing measured, no alignment to it tells
-  if (blind_s_ > 0) filter_.take_as_origin();
-  beyond_filter_ = camera_.covariance - filter_.pose_covariance();
+  levelled_from_filter_ = {};
+  // alignments do not observe the position of an unmeasured keyframe
+  if (unmeasured_s_ > 0) filter_.set_pose_as_origin();
+  covariance_offset_ = camera_.covariance - filter_.pose_covariance();
 }
 
 }  // namespace stillkite

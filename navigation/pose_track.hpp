@@ -8,55 +8,55 @@
 
 namespace stillkite {
 
-/// Where the camera is, from frame to frame: the pose of a keyframe, what alignments to it say of
-/// the camera, and a filter that carries the motion on where they say nothing.
+/// Camera pose over time: a keyframe's pose, the alignments to it, and a filter that predicts
+/// across frames without a measurement.
 class PoseTrack {
  public:
   PoseTrack(const RigidTransform& body_from_camera, const NavigatorConfig& config,
             const InitialState& initial);
 
-  /// At the first frame: the keyframe is the start.
-  void start(const SensorReadings& readings, Timestamp now);
+  /// Makes the first frame, at the initial pose, the keyframe.
+  void initialize(const SensorReadings& readings, Timestamp now);
 
-  /// Carries the motion on for `dt_s`; a gyro's rate tells the turn. What nothing has measured
-  /// for longer than `trust.max_gap_s` is no speed any more: the camera then stays, and the
-  /// covariance grows as if it had not.
+  /// Predicts by `dt_s` at constant velocity, with the gyro's angular rate if there is one. After
+  /// `trust.max_gap_s` without a measurement the velocity is reset: the position is held while
+  /// its covariance grows with the former velocity.
   void predict(double dt_s, const SensorReadings& readings);
 
-  /// The camera by this frame's alignment to the keyframe.
-  void accept(const PlaneAlignment& alignment, const SensorReadings& readings, Timestamp now);
+  /// Updates the camera by this frame's alignment to the keyframe.
+  void update(const PlaneAlignment& alignment, const SensorReadings& readings, Timestamp now);
 
-  /// The camera as predicted: this frame measured nothing.
+  /// Keeps the prediction: this frame has no measurement.
   void coast(const SensorReadings& readings, Timestamp now);
 
-  /// What the camera's motion must have been at a keyframe that was taken before it was known.
-  void assume_keyframe_twist(const Twist& twist) { keyframe_twist_ = twist; }
+  /// Sets the twist of a keyframe that was taken before the velocity was estimated.
+  void set_keyframe_twist(const Twist& twist) { keyframe_twist_ = twist; }
 
-  /// This frame, wherever it is, is the keyframe.
+  /// Makes this frame the keyframe, at its estimated pose.
   void take_keyframe();
 
   [[nodiscard]] const PoseEstimate& keyframe() const { return keyframe_.pose; }
   [[nodiscard]] const Twist& keyframe_twist() const { return keyframe_twist_; }
-  /// In the world as the keyframe, not yet levelled, sees it.
+  /// Filter in the keyframe's world, before levelling.
   [[nodiscard]] const MotionFilter& filter() const { return filter_; }
-  /// The filter as it would be after this alignment.
+  /// Filter updated by this alignment, without changing the track.
   [[nodiscard]] MotionFilter filter_after(const PlaneAlignment& alignment) const;
   [[nodiscard]] const PoseEstimate& camera() const { return camera_; }
-  /// Of the camera at the first frame; stretched with the world once a height is known.
-  [[nodiscard]] const RigidTransform& world_from_start() const { return world_from_start_; }
-  /// The last frame shows the camera further on than any drone is accelerated: images
-  /// are missing whose time has not passed, or those before were sent again.
-  [[nodiscard]] bool has_leapt() const { return has_leapt_; }
+  /// Camera pose at the first frame, rescaled with the world by the first height.
+  [[nodiscard]] const RigidTransform& world_from_initial() const { return world_from_initial_; }
+  /// True if the last frame's displacement exceeds any plausible acceleration: images are missing
+  /// or were repeated without a trace in the stamps.
+  [[nodiscard]] bool has_jumped() const { return has_jumped_; }
   [[nodiscard]] ScaleSource scale() const { return keyframe_.scale; }
   [[nodiscard]] Timestamp scale_stamp() const { return keyframe_.scale_stamp; }
 
  private:
   void correct_keyframe(const PlaneAlignment& alignment, const SensorReadings& readings,
                         Timestamp now);
-  [[nodiscard]] double leap_to(const ChainedPose& chained) const;
-  void forget_speed();
-  void tell(MotionFilter& filter, const ChainedPose& chained,
-            const PlaneAlignment& alignment) const;
+  [[nodiscard]] double position_jump_m(const ChainedPose& chained) const;
+  void reset_twist();
+  void update_filter(MotionFilter& filter, const ChainedPose& chained,
+                     const PlaneAlignment& alignment) const;
 
   RigidTransform body_from_camera_;
   NavigatorConfig config_;
@@ -64,11 +64,11 @@ class PoseTrack {
   Twist keyframe_twist_;
   MotionFilter filter_;
   PoseEstimate camera_;
-  RigidTransform world_from_start_;
-  RigidTransform level_from_filter_;           // the keyframe's levelling
-  Matrix6d beyond_filter_ = Matrix6d::Zero();  // covariance of the pose that the filter is not told
-  double blind_s_ = 0;                         // since the last measurement
-  bool has_leapt_ = false;
+  RigidTransform world_from_initial_;
+  RigidTransform levelled_from_filter_;            // correction by the keyframe's levelling
+  Matrix6d covariance_offset_ = Matrix6d::Zero();  // pose covariance that the filter lacks
+  double unmeasured_s_ = 0;                        // since the last measurement
+  bool has_jumped_ = false;
 };
 
 }  // namespace stillkite

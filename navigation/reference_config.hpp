@@ -10,7 +10,7 @@
 
 namespace stillkite {
 
-/// How the reference's features are found again.
+/// Association of the reference's features with later frames.
 enum class Association { windows, opencv, matching };
 template <>
 struct EnumNames<Association> {
@@ -20,7 +20,7 @@ struct EnumNames<Association> {
        {Association::matching, "matching"}});
 };
 
-/// Who finds the pose that explains the features.
+/// Relative pose solver.
 enum class PoseSolver { own, opencv };
 template <>
 struct EnumNames<PoseSolver> {
@@ -28,13 +28,13 @@ struct EnumNames<PoseSolver> {
       {{PoseSolver::own, "own"}, {PoseSolver::opencv, "opencv"}});
 };
 
-/// Everything the reference estimator can be told.
+/// Configuration of the reference estimator: relative pose to a reference image.
 struct ReferenceConfig {
   int renew_every_frames = 0;
   int min_features = 100;
   double renew_below_ratio = 0;
   int patience_frames = 10;
-  int seek_home_every_frames = 10;
+  int relocalize_every_frames = 10;
   DetectorConfig detector{.max_features = 1000, .quality = 0.003, .min_distance_px = 8};
   Association association = Association::windows;
   FeatureTrackerConfig windows;
@@ -45,27 +45,26 @@ struct ReferenceConfig {
   RotationGateConfig gate;
 
   static void fields(auto& self, auto&& field) {
-    field("renew_every_frames", self.renew_every_frames, kNotNegative,
-          "a new reference frame that often; 0: only when too few features are left");
+    field("renew_every_frames", self.renew_every_frames, kNonNegative,
+          "frames after which the reference is replaced; 0: only if too few features are left");
     field("min_features", self.min_features, Range{8, 20000},
-          "features still in view, below which the frame becomes the new reference");
+          "minimum number of associated features; below it the frame becomes the reference");
     field("renew_below_ratio", self.renew_below_ratio, Range{0, 0.9},
-          "the same as a share of the most that were found of it");
-    field(
-        "patience_frames", self.patience_frames, kNotNegative,
-        "frames in a row with too few of them before a new reference is taken: they may come back");
-    field("seek_home_every_frames", self.seek_home_every_frames, kNotNegative,
-          "how often the first reference is looked for while another one is at hand; 0: never");
-    field("detector", self.detector, "features of the reference frame");
+          "minimum ratio of associated features to the maximum for this reference");
+    field("patience_frames", self.patience_frames, kNonNegative,
+          "consecutive unmeasured frames with too few features before the reference is replaced");
+    field("relocalize_every_frames", self.relocalize_every_frames, kNonNegative,
+          "frames between relocalizations on the first reference after it was left; 0: never");
+    field("detector", self.detector, "feature detection in the reference frame");
     field("association", self.association,
-          "the same features in later frames: by our Lucas-Kanade windows, by OpenCV's (the hold "
-          "paper's way), or by matching descriptors (what it tried first)");
-    field("windows", self.windows, "association by windows");
+          "feature association: Lucas-Kanade patches (windows), OpenCV's pyramidal Lucas-Kanade as "
+          "in the hold paper (opencv), or descriptor matching, its first attempt (matching)");
+    field("windows", self.windows, "association by Lucas-Kanade patches");
     field("opencv", self.opencv, "association by OpenCV's pyramidal Lucas-Kanade");
-    field("solver", self.solver, "of the pose: ours, or OpenCV's (the hold paper's way)");
-    field("pose", self.pose, "our solver");
+    field("solver", self.solver, "relative pose solver: own, or OpenCV's as in the hold paper");
+    field("pose", self.pose, "own solver");
     field("opencv_pose", self.opencv_pose, "OpenCV's solver");
-    field("gate", self.gate, "rejection of rotations that change too fast");
+    field("gate", self.gate, "gate on the rotation between frames");
   }
 };
 

@@ -10,8 +10,8 @@
 namespace stillkite {
 namespace {
 
-constexpr int kFewestFeatures = 8;
-constexpr double kSuddenShare = 0.5;
+constexpr int kMinFeatures = 8;
+constexpr double kSuddenLossRatio = 0.5;
 
 Eigen::Vector3d up_in_camera(const Eigen::Quaterniond& world_from_camera) {
   return world_from_camera.conjugate() * Eigen::Vector3d::UnitZ();
@@ -30,84 +30,85 @@ ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransfor
     : camera_(camera),
       body_from_camera_(body_from_camera),
       config_(config.reference),
-      start_(initial.world_from_body * body_from_camera),
+      world_from_initial_(initial.world_from_body * body_from_camera),
       mode_(mode),
       readout_s_(config.readout_s),
       gate_(config.reference.gate) {
-  references_.push_back(fresh_reference());
+  references_.push_back(make_reference());
   const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
-  current_.world_from_camera = start_.rotation;
+  current_.world_from_camera = world_from_initial_.rotation;
   current_.covariance =
-      Eigen::Vector3d(tilt_variance, tilt_variance, kExact).asDiagonal().toDenseMatrix();
+      Eigen::Vector3d(tilt_variance, tilt_variance, kExactVariance).asDiagonal().toDenseMatrix();
 }
 
-NavigationEstimate ReferenceNavigator::step(const Frame& frame, const FrameInterval& interval,
-                                            const SensorReadings& readings,
-                                            const HomeCheck& is_consistent_relocalization) {
+NavigationEstimate ReferenceNavigator::step(
+    const Frame& frame, const FrameInterval& interval, const SensorReadings& readings,
+    const RelocalizationCheck& is_consistent_relocalization) {
   StopWatch watch;
-  windows_.clear();
+  flow_vectors_.clear();
   bearings_ = {};
   inliers_.clear();
   unit_variance_.reset();
-  followed_px_.clear();
+  tracked_px_.clear();
   twist_.reset();
   begin_report(frame.stamp);
-  // 1. The first frame is the one to hold. Nothing is learnt of a frozen image, or out of turn.
-  if (interval.spoiled == Verdict::first_frame) start_stamp_ = current_.stamp = frame.stamp;
-  if (!has_reference_) return start(frame);
-  if (interval.spoiled && !interval.is_late) return answer(frame, *interval.spoiled);
-  // 2. Where the reference's features are in this frame; the lost ones are dropped.
-  if (look_for_home(frame, readings, is_consistent_relocalization)) go_home(frame.stamp);
-  const FeatureTracks& tracks = references_.back().association.find(frame);
-  references_.back().most_found = std::max(references_.back().most_found, tracks.found_count);
+  // 1. The first frame is the reference. Frozen and out-of-order frames are not measured.
+  if (interval.rejection == Verdict::first_frame) initial_stamp_ = current_.stamp = frame.stamp;
+  if (!has_reference_) return initialize(frame);
+  if (interval.rejection && !interval.is_forward_gap) return answer(frame, *interval.rejection);
+  // 2. Associate the reference's features.
+  if (try_relocalization(frame, readings, is_consistent_relocalization)) relocalize(frame.stamp);
+  const FeatureTracks& tracks = references_.back().association.associate(frame);
+  references_.back().max_found = std::max(references_.back().max_found, tracks.found_count);
   const double flow_ms = watch.lap_ms();
-  // 3. Undistorted, they tell how the camera has turned and which way it has gone.
-  bearings_ =
-      references_.back().row_times.at_stamp(feature_bearings(camera_, tracks), tracks, frame.stamp);
+  // 3. Undistort them; estimate rotation and translation direction.
+  bearings_ = references_.back().rolling_shutter_correction.at_stamp(
+      feature_bearings(camera_, tracks), tracks, frame.stamp);
   const RelativePoseEstimate pose =
       estimate(bearings_.pairs, references_.back(), last_pose_, readings.attitude);
-  // 4. Is it to be trusted? A rotation that changes too fast is not, three times.
-  const Verdict verdict = judge(pose, tracks.found_count);
+  // 4. Validate the pose; the gate rejects a jump of rotation up to three times.
+  const Verdict verdict = classify(pose, tracks.found_count);
   report(tracks, pose, verdict);
-  if (verdict == Verdict::ok) turn(pose, frame.stamp);
+  if (verdict == Verdict::ok) update_attitude(pose, frame.stamp);
   const double solve_ms = watch.lap_ms();
-  // 5. Too few features left, or the time has come: this frame is the new reference.
+  // 5. Replace the reference if too few features are left, or by schedule.
   renew_reference(frame, tracks.found_count, verdict);
   NavigationEstimate out = answer(frame, verdict);
   out.stage_ms = {0, flow_ms, solve_ms, watch.lap_ms()};
   return out;
 }
 
-ReferenceNavigator::Reference ReferenceNavigator::fresh_reference() const {
-  const bool is_numbered_anew = config_.association == Association::matching;
+ReferenceNavigator::Reference ReferenceNavigator::make_reference() const {
+  const bool is_renumbered = config_.association == Association::matching;
   return {.association = FeatureAssociation(config_),
           .attitude = {},
-          .row_times = {is_numbered_anew ? 0 : readout_s_, camera_.height_px}};
+          .rolling_shutter_correction = {is_renumbered ? 0 : readout_s_, camera_.height_px}};
 }
 
 void ReferenceNavigator::begin_report(Timestamp now) {
   report_ = {.reference_stamp = references_.back().attitude.stamp,
              .on_first_reference = on_first_reference_};
-  if (has_reference_) report_.motion = carried_on(now);
+  if (has_reference_) report_.motion = predicted_motion(now);
 }
 
-// Until this frame tells more: as it was last seen, turned since by any rate. What leads from the
-// world to the reference is no part of it: all the attitude's covariance but that of the reference.
-MotionEstimate ReferenceNavigator::carried_on(Timestamp now) const {
+// Motion before this frame is measured: the last one, its covariance grown by the rate's. It is
+// relative to the reference, so the reference's own attitude covariance is subtracted.
+MotionEstimate ReferenceNavigator::predicted_motion(Timestamp now) const {
   const Attitude& reference = references_.back().attitude;
   const Eigen::Matrix3d R = reference.world_from_camera.conjugate().toRotationMatrix();
-  const double turned_rad = kAnyRate_rad_s * seconds_between(current_.stamp, now);
+  const double rotation_sigma_rad = kInitialRateSigma_rad_s * seconds_between(current_.stamp, now);
   MotionEstimate motion;
   motion.reference_from_camera =
       reference.world_from_camera.conjugate() * current_.world_from_camera;
-  motion.rotation_covariance = R * (current_.covariance - reference.covariance) * R.transpose() +
-                               turned_rad * turned_rad * Eigen::Matrix3d::Identity();
+  motion.rotation_covariance =
+      R * (current_.covariance - reference.covariance) * R.transpose() +
+      rotation_sigma_rad * rotation_sigma_rad * Eigen::Matrix3d::Identity();
   return motion;
 }
 
-NavigationEstimate ReferenceNavigator::start(const Frame& frame) {
-  // what the camera did before the first image that shows something, nothing has measured
-  report_.new_reference = take_reference(frame, frame.stamp == start_stamp_);
+NavigationEstimate ReferenceNavigator::initialize(const Frame& frame) {
+  // rotation before the first textured image is not measured
+  report_.new_reference = take_reference(frame, frame.stamp == initial_stamp_);
   report_.reference_stamp = frame.stamp;
   return answer(frame, has_reference_ ? Verdict::first_frame : Verdict::too_little_texture);
 }
@@ -127,17 +128,17 @@ RelativePoseEstimate ReferenceNavigator::estimate(
   return estimate_relative_pose(pairs, camera_.focal_x_px, config_.pose, hints);
 }
 
-Verdict ReferenceNavigator::judge(const RelativePoseEstimate& pose, int features) {
-  if (features < kFewestFeatures || is_swept_away(features)) return Verdict::lost;
-  features_before_ = features;
+Verdict ReferenceNavigator::classify(const RelativePoseEstimate& pose, int features) {
+  if (features < kMinFeatures || is_sudden_loss(features)) return Verdict::lost;
+  previous_features_ = features;
   if (pose.model == ViewModel::undecided) return Verdict::too_few_inliers;
   return gate_.accepts(pose.pose.current_from_reference) ? Verdict::ok : Verdict::gated;
 }
 
-// Features that go all at once are hidden or smeared, and a pose of the rest is chance.
-bool ReferenceNavigator::is_swept_away(int features) const {
+// A sudden loss of features means occlusion or motion blur; a pose from the rest is unreliable.
+bool ReferenceNavigator::is_sudden_loss(int features) const {
   return mode_ == Mode::recommended && features < config_.min_features &&
-         features < kSuddenShare * features_before_;
+         features < kSuddenLossRatio * previous_features_;
 }
 
 void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseEstimate& pose,
@@ -149,15 +150,15 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
   if (verdict == Verdict::ok || verdict == Verdict::gated) report_.motion = motion_from_pose(pose);
   report_.motion.mean_shift_px = mean_shift_px(tracks);
   report_.motion.parallax_rad = parallax_rad(bearings_.pairs, pose);
-  windows_ = drawn_features(tracks, bearings_, pose);
+  flow_vectors_ = feature_flow_vectors(tracks, bearings_, pose);
   inliers_ = pose.inliers;
   if (verdict == Verdict::ok) unit_variance_ = stillkite::unit_variance(bearings_, pose);
   if (config_.association == Association::windows) {
-    followed_px_ = followed_features(tracks, bearings_, inliers_);
+    tracked_px_ = tracked_inliers(tracks, bearings_, inliers_);
   }
 }
 
-void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
+void ReferenceNavigator::update_attitude(const RelativePoseEstimate& pose, Timestamp now) {
   const Eigen::Quaterniond reference_from_camera = pose.pose.current_from_reference.conjugate();
   Attitude next{
       .stamp = now,
@@ -169,9 +170,10 @@ void ReferenceNavigator::turn(const RelativePoseEstimate& pose, Timestamp now) {
       references_.back().attitude.covariance + R * next.covariance_from_reference * R.transpose();
 
   const double dt_s = seconds_between(current_.stamp, now);
-  const Eigen::Quaterniond turned = current_.world_from_camera.conjugate() * next.world_from_camera;
-  if (is_rate_known_) twist_ = Twist{.angular_rate_rad_s = so3_log(turned) / dt_s};
-  is_rate_known_ = true;
+  const Eigen::Quaterniond rotation =
+      current_.world_from_camera.conjugate() * next.world_from_camera;
+  if (has_previous_attitude_) twist_ = Twist{.angular_rate_rad_s = so3_log(rotation) / dt_s};
+  has_previous_attitude_ = true;
   rate_covariance_ =
       (current_.covariance_from_reference + next.covariance_from_reference) / (dt_s * dt_s);
   current_ = next;
@@ -185,23 +187,26 @@ NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdic
   out.frame_index = frame.index;
   out.verdict = verdict;
   out.world_from_body =
-      RigidTransform{current_.world_from_camera, start_.translation} * body_from_camera_.inverse();
-  out.world_from_start = start_ * body_from_camera_.inverse();
-  // nothing measures lengths: by now the camera may be anywhere that its speed allows
-  const double speed = kAnySpeed_heights_s * start_.translation.z();
-  const double way = speed * seconds_between(start_stamp_, frame.stamp);
-  const double unseen_s = seconds_between(current_.stamp, frame.stamp);
-  const double turned_rad = kAnyRate_rad_s * unseen_s;
-  out.pose_covariance.diagonal().head<3>().setConstant(way * way + kExact);
+      RigidTransform{current_.world_from_camera, world_from_initial_.translation} *
+      body_from_camera_.inverse();
+  out.world_from_initial = world_from_initial_ * body_from_camera_.inverse();
+  // lengths are not measured: the position error is bounded by the speed_sigma only
+  const double speed_sigma = kInitialSpeedSigma_heights_s * world_from_initial_.translation.z();
+  const double displacement_sigma = speed_sigma * seconds_between(initial_stamp_, frame.stamp);
+  const double unmeasured_s = seconds_between(current_.stamp, frame.stamp);
+  const double rotation_sigma_rad = kInitialRateSigma_rad_s * unmeasured_s;
+  out.pose_covariance.diagonal().head<3>().setConstant(displacement_sigma * displacement_sigma +
+                                                       kExactVariance);
   out.pose_covariance.bottomRightCorner<3, 3>() = current_.covariance;
-  out.pose_covariance.diagonal().tail<3>().array() += turned_rad * turned_rad;
-  out.twist_covariance.diagonal().head<3>().setConstant(speed * speed);
-  out.twist_covariance.diagonal().tail<3>().setConstant(kAnyRate_rad_s * kAnyRate_rad_s);
+  out.pose_covariance.diagonal().tail<3>().array() += rotation_sigma_rad * rotation_sigma_rad;
+  out.twist_covariance.diagonal().head<3>().setConstant(speed_sigma * speed_sigma);
+  out.twist_covariance.diagonal().tail<3>().setConstant(kInitialRateSigma_rad_s *
+                                                        kInitialRateSigma_rad_s);
   if (twist_) {
     out.twist_in_camera = *twist_;
     out.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
   }
-  out.quality = {.windows = report_.features,
+  out.quality = {.flow_vectors = report_.features,
                  .inlier_ratio = report_.features > 0
                                      ? static_cast<double>(report_.inliers) / report_.features
                                      : 0,
@@ -213,7 +218,7 @@ NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdic
   out.reference->motion.source = EstimateSource::reference;
   out.reference->motion.status = status_of(verdict);
   out.reference->motion.twist_in_camera = twist_;
-  if (twist_) out.reference->seen_rate_in_camera_rad_s = twist_->angular_rate_rad_s;
+  if (twist_) out.reference->measured_rate_in_camera_rad_s = twist_->angular_rate_rad_s;
   return out;
 }
 

@@ -11,35 +11,38 @@
 
 namespace stillkite {
 
-/// Where the flight starts. Without a height the answers are in heights (see NavigationEstimate).
+/// Body pose at the first frame. Without a scale, estimates are in initial heights.
 struct InitialState {
-  RigidTransform world_from_body;         ///< z is the body's height over the ground
-  ScaleSource scale = ScaleSource::none;  ///< what gave that height
+  RigidTransform world_from_body;         ///< z: height above the ground
+  ScaleSource scale = ScaleSource::none;  ///< source of that height; none: lengths are relative
 };
 
-/// Height over the ground of a body: a range finder looks along its -z, whatever the tilt.
+/// Height of the body above the ground. A range finder measures along the body's -z: h = r
+/// cos(tilt).
 [[nodiscard]] inline double height_of_body_m(double reading_m, ScaleSource source,
                                              const Eigen::Quaterniond& world_from_body) {
   if (source != ScaleSource::range) return reading_m;
   return reading_m * (world_from_body * Eigen::Vector3d::UnitZ()).z();
 }
 
-/// Of an IMU; each holds for the time since the one before.
+/// IMU reading, valid from the previous reading's stamp to its own.
 struct InertialReading {
   Timestamp stamp;
   Eigen::Vector3d angular_rate_in_body_rad_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d specific_force_in_body_m_s2 = Eigen::Vector3d::Zero();
 };
 
-/// Readings of other sensors for the interval that ends at a frame; each is optional.
+/// Readings of other sensors for the interval that ends at a frame; each is optional. Values that
+/// are not finite are ignored.
 struct SensorReadings {
-  std::optional<Eigen::Vector3d> mean_angular_rate_in_body_rad_s;  ///< gyro, mean since last frame
-  std::optional<double> height_m;  ///< of the body over the ground; a range: along the body's -z
-  ScaleSource height_source = ScaleSource::range;  ///< what measured that height
+  std::optional<Eigen::Vector3d> mean_angular_rate_in_body_rad_s;  ///< gyro, mean over the interval
+  /// Height above the ground; for a range finder the distance along the body's -z.
+  std::optional<double> height_m;
+  ScaleSource height_source = ScaleSource::range;  ///< sensor of `height_m`
   std::optional<Eigen::Quaterniond> attitude;      ///< world_from_body
-  std::optional<Vector6d> acceleration;   ///< a(t) of the flow paper, eq. (3): linear in the world
-                                          ///< (m/s^2), then angular in the body (rad/s^2)
-  std::vector<InertialReading> inertial;  ///< since the frame before, ascending
+  /// a(t) of the flow paper, eq. (3): linear in the world (m/s^2), angular in the body (rad/s^2).
+  std::optional<Vector6d> acceleration;
+  std::vector<InertialReading> inertial;  ///< IMU readings of the interval, ascending
 };
 
 }  // namespace stillkite

@@ -8,8 +8,9 @@
 namespace stillkite {
 namespace {
 
-// Kalman update by a reading of one component of the pose's error.
-PoseEstimate corrected(const PoseEstimate& pose, int component, double innovation, double sigma) {
+// Kalman update by a measurement of one component of the pose error.
+PoseEstimate kalman_update(const PoseEstimate& pose, int component, double innovation,
+                           double sigma) {
   const double S = pose.covariance(component, component) + sigma * sigma;
   const Vector6d K = pose.covariance.col(component) / S;
   const Vector6d error = K * innovation;
@@ -24,56 +25,58 @@ PoseEstimate corrected(const PoseEstimate& pose, int component, double innovatio
 }
 
 PoseEstimate with_height(const PoseEstimate& pose, double height_m, double sigma_m) {
-  return corrected(pose, 2, height_m - pose.world_from_camera.translation.z(), sigma_m);
+  return kalman_update(pose, 2, height_m - pose.world_from_camera.translation.z(), sigma_m);
 }
 
 PoseEstimate with_attitude(const PoseEstimate& pose, const Eigen::Quaterniond& world_from_camera,
                            double sigma_rad) {
-  // the turn that levels our vertical, whatever the two yaws, about x and then about y
+  // rotation that aligns the estimated vertical, independent of both yaws; about x, then about y
   const Eigen::Vector3d up_in_camera = world_from_camera.conjugate() * Eigen::Vector3d::UnitZ();
   PoseEstimate out = pose;
   for (const int axis : {0, 1}) {
-    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(
+    const Eigen::Quaterniond tilt_error = Eigen::Quaterniond::FromTwoVectors(
         out.world_from_camera.rotation * up_in_camera, Eigen::Vector3d::UnitZ());
-    out = corrected(out, 3 + axis, so3_log(turn)(axis), sigma_rad);
+    out = kalman_update(out, 3 + axis, so3_log(tilt_error)(axis), sigma_rad);
   }
   return out;
 }
 
-// Without an echo, over a roof or in rain a range finder tells anything.
-bool is_far_off(double off_m, double variance_m2, double known_m) {
+// Height outliers: range finder without an echo, over a roof, or in rain.
+bool is_height_outlier(double innovation_m, double variance_m2, double predicted_m) {
   constexpr double kSigmas = 5;
-  constexpr double kLeast_ratio = 0.1;
-  return std::abs(off_m) > std::max(kSigmas * std::sqrt(variance_m2), kLeast_ratio * known_m);
+  constexpr double kMinRatio = 0.1;
+  return std::abs(innovation_m) >
+         std::max(kSigmas * std::sqrt(variance_m2), kMinRatio * predicted_m);
 }
 
 ScaledPose with_measured_height(const ScaledPose& before, const CameraReadings& readings,
                                 const SensorConfig& config, Timestamp now) {
-  constexpr int kBelievedInARow = 5;
+  constexpr int kAcceptedOutlierRun = 5;
   ScaledPose out = before;
-  const double known_m = before.pose.world_from_camera.translation.z();
+  const double predicted_m = before.pose.world_from_camera.translation.z();
   double& variance_m2 = out.pose.covariance(2, 2);
   if (before.scale == ScaleSource::initial_height) {
-    // a sensor outranks what was said at the start
-    variance_m2 += square(config.start_height_sigma_ratio * known_m);
+    // the sensor has priority over the given initial height
+    variance_m2 += square(config.start_height_sigma_ratio * predicted_m);
   }
-  const double off_m = *readings.height_m - known_m;
-  if (is_far_off(off_m, variance_m2 + square(config.height_sigma_m), known_m)) {
-    ScaledPose refused = before;
-    refused.refused_m = readings.told_m;
-    const bool is_new = before.refused_heights == 0 || readings.told_m != before.refused_m;
-    if (is_new) ++refused.refused_heights;
-    if (refused.refused_heights < kBelievedInARow) return refused;
-    variance_m2 += square(off_m);
+  const double innovation_m = *readings.height_m - predicted_m;
+  if (is_height_outlier(innovation_m, variance_m2 + square(config.height_sigma_m), predicted_m)) {
+    ScaledPose rejected = before;
+    rejected.rejected_reading_m = readings.reading_m;
+    const bool is_distinct =
+        before.rejected_heights == 0 || readings.reading_m != before.rejected_reading_m;
+    if (is_distinct) ++rejected.rejected_heights;
+    if (rejected.rejected_heights < kAcceptedOutlierRun) return rejected;
+    variance_m2 += square(innovation_m);
   }
   out.pose = with_height(out.pose, *readings.height_m, config.height_sigma_m);
-  out.refused_heights = 0;
+  out.rejected_heights = 0;
   out.scale = readings.height_source;
   out.scale_stamp = now;
   return out;
 }
 
-PoseEstimate stretched(const PoseEstimate& pose, double factor) {
+PoseEstimate rescaled(const PoseEstimate& pose, double factor) {
   PoseEstimate out = pose;
   out.world_from_camera.translation *= factor;
   out.covariance.topRows<3>() *= factor;
@@ -83,11 +86,12 @@ PoseEstimate stretched(const PoseEstimate& pose, double factor) {
 
 }  // namespace
 
-CameraReadings of_camera(const SensorReadings& readings, const RigidTransform& body_from_camera,
-                         const Eigen::Quaterniond& world_from_camera) {
+CameraReadings camera_readings(const SensorReadings& readings,
+                               const RigidTransform& body_from_camera,
+                               const Eigen::Quaterniond& world_from_camera) {
   CameraReadings out{.height_source = readings.height_source};
   if (readings.height_m) {
-    out.told_m = *readings.height_m;
+    out.reading_m = *readings.height_m;
     const Eigen::Vector3d body_in_camera = body_from_camera.inverse().translation;
     const Eigen::Quaterniond world_from_body =
         world_from_camera * body_from_camera.rotation.conjugate();
@@ -98,13 +102,13 @@ CameraReadings of_camera(const SensorReadings& readings, const RigidTransform& b
   return out;
 }
 
-ScaledPose with_readings(const ScaledPose& before, const CameraReadings& readings,
-                         const SensorConfig& config, Timestamp now) {
+ScaledPose apply_readings(const ScaledPose& before, const CameraReadings& readings,
+                          const SensorConfig& config, Timestamp now) {
   ScaledPose out = before;
   if (readings.height_m && *readings.height_m > 0) {
     if (before.scale == ScaleSource::none) {
       out.pose =
-          stretched(out.pose, *readings.height_m / out.pose.world_from_camera.translation.z());
+          rescaled(out.pose, *readings.height_m / out.pose.world_from_camera.translation.z());
       out.pose.covariance(2, 2) += square(config.height_sigma_m);
       out.scale = readings.height_source;
       out.scale_stamp = now;
@@ -118,11 +122,11 @@ ScaledPose with_readings(const ScaledPose& before, const CameraReadings& reading
   return out;
 }
 
-Matrix6d carried_covariance(const PoseEstimate& before, const RigidTransform& after) {
-  const Eigen::Vector3d way = after.translation - before.world_from_camera.translation;
+Matrix6d propagated_covariance(const PoseEstimate& before, const RigidTransform& after) {
+  const Eigen::Vector3d displacement = after.translation - before.world_from_camera.translation;
   Matrix6d J = Matrix6d::Identity();
-  J.block<3, 3>(0, 3) = -skew(way);
-  J.block<3, 1>(0, 2) += way / before.world_from_camera.translation.z();
+  J.block<3, 3>(0, 3) = -skew(displacement);
+  J.block<3, 1>(0, 2) += displacement / before.world_from_camera.translation.z();
   return J * before.covariance * J.transpose();
 }
 

@@ -9,37 +9,38 @@
 
 namespace stillkite {
 
-/// A pose of the camera, and what last told its metres.
+/// Camera pose with the source of its scale.
 struct ScaledPose {
   PoseEstimate pose;
   ScaleSource scale = ScaleSource::none;
-  Timestamp scale_stamp;
-  int refused_heights = 0;  ///< in a row
-  double refused_m = 0;     ///< the last of them, as it was told
+  Timestamp scale_stamp;          ///< of the last reading used for the scale
+  int rejected_heights = 0;       ///< consecutive distinct outliers
+  double rejected_reading_m = 0;  ///< last rejected reading, as measured
 };
 
-/// What other sensors say of the camera itself.
+/// Sensor readings converted from the body to the camera.
 struct CameraReadings {
-  std::optional<double> height_m;  ///< over the ground
-  double told_m = 0;               ///< the reading that it comes from
+  std::optional<double> height_m;  ///< of the camera above the ground
+  double reading_m = 0;            ///< height or range as measured
   ScaleSource height_source = ScaleSource::range;
   std::optional<Eigen::Quaterniond> attitude;  ///< world_from_camera
 };
 
-/// Readings are of the body; where the camera sits in it is seen at the attitude world_from_camera.
-[[nodiscard]] CameraReadings of_camera(const SensorReadings& readings,
-                                       const RigidTransform& body_from_camera,
-                                       const Eigen::Quaterniond& world_from_camera);
+/// `world_from_camera`: attitude at which tilt and lever arm are compensated.
+[[nodiscard]] CameraReadings camera_readings(const SensorReadings& readings,
+                                             const RigidTransform& body_from_camera,
+                                             const Eigen::Quaterniond& world_from_camera);
 
-/// Kalman update of a pose by height and attitude, of which roll and pitch count: the yaw of an
-/// inertial sensor drifts as ours does. The first height in a flight without scale sets it: the
-/// world is stretched. A height that is far from what is known is left out, unless five in a row
-/// are that change: a range finder that sees nothing tells its longest range again and again.
-[[nodiscard]] ScaledPose with_readings(const ScaledPose& before, const CameraReadings& readings,
-                                       const SensorConfig& config, Timestamp now);
+/// Kalman update of a pose by height and by the attitude's roll and pitch; its yaw drifts and is
+/// not used. Without a scale the first height rescales the world. A height outlier is rejected
+/// until five consecutive, distinct readings are outliers: a range finder without an echo repeats
+/// its maximum range.
+[[nodiscard]] ScaledPose apply_readings(const ScaledPose& before, const CameraReadings& readings,
+                                        const SensorConfig& config, Timestamp now);
 
-/// What `before`'s errors make of a pose that was reached from it by visual motion: an error of the
-/// height is one of the way's length, an error of attitude bends the way.
-[[nodiscard]] Matrix6d carried_covariance(const PoseEstimate& before, const RigidTransform& after);
+/// Covariance of a pose reached from `before` by visual motion: J P J^T. A height error scales the
+/// translation, an attitude error rotates it.
+[[nodiscard]] Matrix6d propagated_covariance(const PoseEstimate& before,
+                                             const RigidTransform& after);
 
 }  // namespace stillkite

@@ -17,20 +17,20 @@ double heading_rad(const Eigen::Quaterniond& attitude) {
 
 Eigen::Quaterniond StationAttitude::step(
     const Eigen::Quaterniond& estimated_world_from_body,
-    const std::optional<Eigen::Quaterniond>& read_world_from_body) {
-  // 1. On from the last frame as the camera turned; at the first one the heading is 0.
+    const std::optional<Eigen::Quaterniond>& measured_world_from_body) {
+  // 1. Integrate the visual rotation since the last frame; the initial yaw is 0.
   Eigen::Quaterniond next =
       station_from_body_
           ? *station_from_body_ *
                 (estimated_world_from_body_.conjugate() * estimated_world_from_body)
           : about_vertical(-heading_rad(estimated_world_from_body)) * estimated_world_from_body;
-  // 2. A sensor's world has a heading of its own; the first reading tells which.
-  if (read_world_from_body) {
-    if (!station_from_read_world_) {
-      station_from_read_world_ =
-          about_vertical(heading_rad(next) - heading_rad(*read_world_from_body));
+  // 2. The first reading gives the yaw between the sensor's world and the station.
+  if (measured_world_from_body) {
+    if (!station_from_sensor_world_) {
+      station_from_sensor_world_ =
+          about_vertical(heading_rad(next) - heading_rad(*measured_world_from_body));
     }
-    next = *station_from_read_world_ * *read_world_from_body;
+    next = *station_from_sensor_world_ * *measured_world_from_body;
   }
   estimated_world_from_body_ = estimated_world_from_body;
   station_from_body_ = next.normalized();

@@ -5,19 +5,18 @@
 
 namespace stillkite {
 
-/// Attitude of the body in the station's frame where nobody tells how the two headings lie: the
-/// first heading is 0. Between the readings of another sensor, and without any, the camera's
-/// estimate turns it on.
+/// Attitude of the body in the station's frame if the heading between the two is unknown: the
+/// initial yaw is 0. Without readings of an attitude sensor, the visual rotation is integrated.
 class StationAttitude {
  public:
-  /// station_from_body of a frame; of its estimate, and of a sensor's reading where there is one.
+  /// station_from_body from the visual estimate and, if available, a sensor's attitude.
   Eigen::Quaterniond step(const Eigen::Quaterniond& estimated_world_from_body,
-                          const std::optional<Eigen::Quaterniond>& read_world_from_body);
+                          const std::optional<Eigen::Quaterniond>& measured_world_from_body);
 
  private:
   std::optional<Eigen::Quaterniond> station_from_body_;
   Eigen::Quaterniond estimated_world_from_body_ = Eigen::Quaterniond::Identity();
-  std::optional<Eigen::Quaterniond> station_from_read_world_;
+  std::optional<Eigen::Quaterniond> station_from_sensor_world_;
 };
 
 }  // namespace stillkite

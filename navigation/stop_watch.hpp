@@ -23,7 +23,7 @@ class StopWatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Of two estimators, stage by stage.
+/// Stage times of two estimators, added.
 [[nodiscard]] inline std::array<double, kStageCount> sum_of_stages(
     std::array<double, kStageCount> a, const std::array<double, kStageCount>& b) {
   std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());

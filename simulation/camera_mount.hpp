@@ -7,7 +7,7 @@
 
 namespace stillkite {
 
-/// body_from_camera of a camera that looks straight down with the image's top towards the nose:
+/// Rotation body_from_camera of a nadir camera with the image top towards the nose:
 /// image right is -y of the body, image down is -x, the optical axis -z.
 [[nodiscard]] inline Eigen::Quaterniond camera_looking_down() {
   Eigen::Matrix3d R;
@@ -15,8 +15,8 @@ namespace stillkite {
   return Eigen::Quaterniond(R);
 }
 
-/// body_from_camera of a camera at the body's origin whose optical axis is raised by that angle
-/// from straight down towards the nose; at 90 degrees it looks ahead.
+/// body_from_camera of a camera at the body origin. `forward_tilt_deg`: angle of the optical axis
+/// from nadir towards the nose; 90 degrees points forward.
 [[nodiscard]] inline RigidTransform camera_raised_forward(double forward_tilt_deg) {
   const Eigen::AngleAxisd tilt(-forward_tilt_deg * kDegree, Eigen::Vector3d::UnitY());
   return {tilt * camera_looking_down(), Eigen::Vector3d::Zero()};

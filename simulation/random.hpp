@@ -8,8 +8,8 @@
 
 namespace stillkite {
 
-/// Random numbers that are the same on every machine and library (SplitMix64), which those of
-/// <random>'s distributions are not. One seed has as many streams as one likes.
+/// Pseudo-random numbers (SplitMix64) identical on every platform; the distributions of <random>
+/// are implementation-defined. Streams of one seed are independent.
 class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0)

@@ -12,88 +12,90 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kSteps = 16;
 constexpr int kRates = 10;  // to either side of 0
-// What turning as fast as it can costs: as much as a plane that is off the way by this.
-constexpr double kWorthTheTurn_m = 0.005;
+// Cost of the rate limit, as a distance of the target from the plane.
+constexpr double kRateLimitCost_m = 0.005;
 
-// Which way round the plane turns until it holds the way for the first time.
-enum class Round { left, nearer, right };
+// Direction of rotation until the plane contains the target for the first time.
+enum class Direction { left, shortest, right };
 
-struct Instant {
-  double distance_m;   // of the way from overhead
-  double azimuth_rad;  // of the way
+struct PolarTarget {
+  double distance_m;  // horizontal, from the zenith
+  double azimuth_rad;
 };
 
-using Ahead = std::array<Instant, kSteps>;
+using Prediction = std::array<PolarTarget, kSteps>;
 
-Ahead look_ahead(const LevelWay& way, double step_s) {
-  Ahead ahead{};
+Prediction predict(const HorizontalTarget& target, double step_s) {
+  Prediction prediction{};
   double time_s = 0;
-  for (Instant& at : ahead) {
+  for (PolarTarget& at : prediction) {
     time_s += step_s;
-    const Eigen::Vector2d place_m = way.now_m + time_s * way.drift_m_s;
-    at = {place_m.norm(), std::atan2(place_m.y(), place_m.x())};
+    const Eigen::Vector2d position_m = target.position_m + time_s * target.velocity_m_s;
+    at = {position_m.norm(), std::atan2(position_m.y(), position_m.x())};
   }
-  return ahead;
+  return prediction;
 }
 
-// Under a rate that is followed with a first-order lag, from rest.
-double followed_s(double time_s, double lag_s) {
+// Angle per unit of commanded rate after a step from rest: t + lag (exp(-t / lag) - 1).
+double step_response_s(double time_s, double lag_s) {
   return lag_s > 0 ? time_s + lag_s * std::expm1(-time_s / lag_s) : time_s;
 }
 
-double squared_m2(const Instant& at, double azimuth_rad) {
-  const double off_m = at.distance_m * std::sin(azimuth_rad - at.azimuth_rad);
-  return off_m * off_m;
+double squared_distance_m2(const PolarTarget& target, double azimuth_rad) {
+  const double distance_m = target.distance_m * std::sin(azimuth_rad - target.azimuth_rad);
+  return distance_m * distance_m;
 }
 
-// Mean square of how far the way is off the plane, which after the first step turns after it by at
-// most `most_rad` a step.
-double off_the_plane_m2(const Ahead& ahead, double azimuth_rad, double most_rad, Round round) {
-  double sum_m2 = squared_m2(ahead.front(), azimuth_rad);
-  for (std::size_t k = 1; k < ahead.size(); ++k) {
-    double turn_rad = std::remainder(ahead[k].azimuth_rad - azimuth_rad, kPi);
-    if (std::abs(turn_rad) < most_rad) round = Round::nearer;
-    if (round == Round::left && turn_rad < 0) turn_rad += kPi;
-    if (round == Round::right && turn_rad > 0) turn_rad -= kPi;
-    azimuth_rad += std::clamp(turn_rad, -most_rad, most_rad);
-    sum_m2 += squared_m2(ahead[k], azimuth_rad);
+// Mean squared distance of the target from the plane, which follows it by at most
+// `max_rotation_rad` a step after the first step.
+double mean_squared_distance_m2(const Prediction& prediction, double azimuth_rad,
+                                double max_rotation_rad, Direction direction) {
+  double sum_m2 = squared_distance_m2(prediction.front(), azimuth_rad);
+  for (std::size_t k = 1; k < prediction.size(); ++k) {
+    double rotation_rad = std::remainder(prediction[k].azimuth_rad - azimuth_rad, kPi);
+    if (std::abs(rotation_rad) < max_rotation_rad) direction = Direction::shortest;
+    if (direction == Direction::left && rotation_rad < 0) rotation_rad += kPi;
+    if (direction == Direction::right && rotation_rad > 0) rotation_rad -= kPi;
+    azimuth_rad += std::clamp(rotation_rad, -max_rotation_rad, max_rotation_rad);
+    sum_m2 += squared_distance_m2(prediction[k], azimuth_rad);
   }
   return sum_m2 / kSteps;
 }
 
-// Of three values in a row the middle one is the least: where between them a parabola is.
-double lowest_between(double left, double middle, double right) {
-  const double bend = left - 2 * middle + right;
-  return bend > 0 ? 0.5 * (left - right) / bend : 0;
+// Minimum of the parabola through the values at -1, 0 and 1; the middle value is the smallest.
+double parabola_minimum(double left, double middle, double right) {
+  const double curvature = left - 2 * middle + right;
+  return curvature > 0 ? 0.5 * (left - right) / curvature : 0;
 }
 
 }  // namespace
 
-double azimuth_to_displacement_rad_s(double azimuth_rad, const LevelWay& way,
-                                     const AzimuthDrive& drive, double horizon_s) {
+double azimuth_to_displacement_rad_s(double azimuth_rad, const HorizontalTarget& target,
+                                     const AzimuthDynamics& dynamics, double horizon_s) {
   const double step_s = horizon_s / kSteps;
-  const Ahead ahead = look_ahead(way, step_s);
-  const double first_s = followed_s(step_s, drive.lag_s);
-  const double rate_step_rad_s = drive.rate_limit_rad_s / kRates;
-  std::array<double, 2 * kRates + 1> costs_m2{};  // of a first rate, with the best that may follow
+  const Prediction prediction = predict(target, step_s);
+  const double first_s = step_response_s(step_s, dynamics.lag_s);
+  const double rate_step_rad_s = dynamics.rate_limit_rad_s / kRates;
+  std::array<double, 2 * kRates + 1> costs_m2{};  // per first rate, with the best continuation
   for (std::size_t i = 0; i < costs_m2.size(); ++i) {
     const int rate = static_cast<int>(i) - kRates;
-    const double turned_rad = azimuth_rad + rate_step_rad_s * rate * first_s;
-    double off_m2 = std::numeric_limits<double>::infinity();
-    for (const Round round : {Round::left, Round::nearer, Round::right}) {
-      off_m2 = std::min(
-          off_m2, off_the_plane_m2(ahead, turned_rad, drive.rate_limit_rad_s * step_s, round));
+    const double first_azimuth_rad = azimuth_rad + rate_step_rad_s * rate * first_s;
+    double distance_m2 = std::numeric_limits<double>::infinity();
+    for (const Direction direction : {Direction::left, Direction::shortest, Direction::right}) {
+      distance_m2 = std::min(
+          distance_m2, mean_squared_distance_m2(prediction, first_azimuth_rad,
+                                                dynamics.rate_limit_rad_s * step_s, direction));
     }
-    const double turned_m = kWorthTheTurn_m * rate / kRates;
-    costs_m2[i] = off_m2 + turned_m * turned_m;
+    const double rate_cost_m = kRateLimitCost_m * rate / kRates;
+    costs_m2[i] = distance_m2 + rate_cost_m * rate_cost_m;
   }
   const auto best = static_cast<std::size_t>(std::min_element(costs_m2.begin(), costs_m2.end()) -
                                              costs_m2.begin());
-  if (!std::isfinite(costs_m2[best])) return 0;  // no way that can be
+  if (!std::isfinite(costs_m2[best])) return 0;
   const double rate_rad_s = rate_step_rad_s * (static_cast<int>(best) - kRates);
   if (best == 0 || best + 1 == costs_m2.size()) return rate_rad_s;
   return rate_rad_s +
-         rate_step_rad_s * lowest_between(costs_m2[best - 1], costs_m2[best], costs_m2[best + 1]);
+         rate_step_rad_s * parabola_minimum(costs_m2[best - 1], costs_m2[best], costs_m2[best + 1]);
 }
 
 }  // namespace stillkite

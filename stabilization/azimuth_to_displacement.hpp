@@ -4,26 +4,27 @@
 
 namespace stillkite {
 
-/// Where the drone is to be kept from now on, level, in the station's frame.
-struct LevelWay {
-  Eigen::Vector2d now_m;
-  Eigen::Vector2d drift_m_s;
+/// Target of the drone in the horizontal plane of the station's frame; constant velocity.
+struct HorizontalTarget {
+  Eigen::Vector2d position_m;
+  Eigen::Vector2d velocity_m_s;
 };
 
-/// How the azimuth follows what it is told.
-struct AzimuthDrive {
+/// Response of the azimuth rate to its command: rate limit and first-order lag.
+struct AzimuthDynamics {
   double rate_limit_rad_s;
   double lag_s;
 };
 
-/// The azimuth rate to begin with so that for `horizon_s` the tether's vertical plane passes as
-/// near to that way as it can, in the mean of squares; the elevation then moves the drone within
-/// the plane, also across the zenith. Near overhead, where the way asks for more than the azimuth
-/// can turn, this tells whether to turn with it or to let it pass on the other side: the rate holds
-/// for a sixteenth of the horizon, and then the plane turns after the way as fast as it can, to
-/// either side (predictive control; docs/hold_controller.md).
-/// 0 for a way that is not finite.
-[[nodiscard]] double azimuth_to_displacement_rad_s(double azimuth_rad, const LevelWay& way,
-                                                   const AzimuthDrive& drive, double horizon_s);
+/// Azimuth rate, rad/s, that minimizes the mean squared distance of the target from the tether's
+/// vertical plane over `horizon_s` (predictive control; docs/hold_control.md). Elevation moves
+/// the drone within that plane, across the zenith if necessary. The rate is constant for the first
+/// sixteenth of the horizon; then the plane rotates towards the target at the rate limit, in either
+/// direction. So the azimuth follows a target that passes the zenith at a large distance, and a
+/// closer one passes on the other side. Returns 0 for a target that is not finite.
+[[nodiscard]] double azimuth_to_displacement_rad_s(double azimuth_rad,
+                                                   const HorizontalTarget& target,
+                                                   const AzimuthDynamics& dynamics,
+                                                   double horizon_s);
 
 }  // namespace stillkite

@@ -2,7 +2,7 @@
 
 namespace stillkite {
 
-HoldConfig in_the_shadow(const HoldConfig& config) {
+HoldConfig in_shadow_mode(const HoldConfig& config) {
   HoldConfig shadow = config;
   shadow.recommended.predict = false;
   for (PidConfig* axis :

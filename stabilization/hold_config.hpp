@@ -12,8 +12,8 @@
 namespace stillkite {
 
 enum class HoldMode {
-  paper,        ///< the hold paper's procedure, section III's thresholds and IV
-  recommended,  ///< PI in metres with prediction, docs/hold_controller.md
+  paper,        ///< hold paper: thresholds of section III, controller of section IV
+  recommended,  ///< PI or state feedback in metres with prediction, docs/hold_control.md
 };
 template <>
 struct EnumNames<HoldMode> {
@@ -21,7 +21,7 @@ struct EnumNames<HoldMode> {
       {{HoldMode::paper, "paper"}, {HoldMode::recommended, "recommended"}});
 };
 
-/// The paper's numbers; where it gives none, those of docs/hold_controller.md.
+/// Parameters of the hold paper; those that it does not give are from docs/hold_control.md.
 struct PaperHoldConfig {
   double max_angle_rad = 5 * kDegree;
   double min_shift_px = 20.0;
@@ -33,15 +33,15 @@ struct PaperHoldConfig {
 
   static void fields(auto& self, auto&& field) {
     field("max_angle_rad", self.max_angle_rad, Range{0, 3.2},
-          "any Euler angle beyond this is corrected, or awaited, before translation");
-    field("min_shift_px", self.min_shift_px, kNotNegative,
-          "mean shift of the features up to which nothing is commanded");
+          "maximum Euler angle for a translation command");
+    field("min_shift_px", self.min_shift_px, kNonNegative,
+          "dead band of the mean feature shift: no command up to it");
     field("unit_translation_m", self.unit_translation_m, kPositive,
-          "what the translation of unknown length is taken for");
-    field("length", self.length, "from the tether's length error, m, to its rate, m/s");
-    field("elevation", self.elevation, "from the elevation error, rad, to its rate, rad/s");
-    field("azimuth", self.azimuth, "from the azimuth error, rad, to its rate, rad/s");
-    field("yaw", self.yaw, "from the yaw error, rad, to its rate, rad/s");
+          "length assumed for the unit translation");
+    field("length", self.length, "tether length error, m, to length rate, m/s");
+    field("elevation", self.elevation, "elevation error, rad, to elevation rate, rad/s");
+    field("azimuth", self.azimuth, "azimuth error, rad, to azimuth rate, rad/s");
+    field("yaw", self.yaw, "yaw error, rad, to yaw rate, rad/s");
   }
 };
 
@@ -64,29 +64,29 @@ struct RecommendedHoldConfig {
 
   static void fields(auto& self, auto&& field) {
     field("position", self.position,
-          "from the predicted way home, m, to a velocity, m/s, along each axis of the station");
-    field("yaw", self.yaw, "from the predicted turn home, rad, to its rate, rad/s");
+          "predicted position error, m, to velocity, m/s, along each axis of the station");
+    field("yaw", self.yaw, "predicted yaw error, rad, to yaw rate, rad/s");
     field("max_yaw_rad", self.max_yaw_rad, Range{0, 3.2},
-          "a yaw beyond this is corrected before translation");
-    field(
-        "nominal_depth_m", self.nominal_depth_m, kPositive,
-        "distance of what the camera sees; times parallax it is a displacement of unknown length");
+          "maximum yaw error for a translation command");
+    field("nominal_depth_m", self.nominal_depth_m, kPositive,
+          "assumed scene depth; times parallax it is the length of a displacement without scale");
     field("max_displacement_m", self.max_displacement_m, kPositive,
-          "a longer way home is taken for this long");
+          "limit of the position error that enters the controller");
     field("state_feedback_pole_1_s", self.state_feedback_pole_1_s, Range{0, 20},
-          "how fast way and velocity home decay where both are known in metres; 0: as a way alone");
-    field("predict", self.predict,
-          "take off the way home what the commands since the exposure have done and will do, and "
-          "move the drone from where they keep it, not from where wind has blown it");
+          "double closed-loop pole of position and velocity error where both are metric; 0: PI on "
+          "the position error alone");
+    field(
+        "predict", self.predict,
+        "predict the position error over latency and lag from the commands (Smith predictor), and "
+        "take the tether axes from the commands instead of the wind-deflected measurement");
     field("lag_s", self.lag_s, Range{0, 10}, "first-order lag of the drone behind its commands");
     field("damped_within_m", self.damped_within_m, Range{0.01, 10},
-          "length of the tether below which the elevation rate is damped, and level distance from "
-          "the zenith within which the azimuth turns to the way ahead, or farther out if the "
-          "station is fast");
+          "tether length below which the elevation rate is damped, and minimum horizontal distance "
+          "from the zenith within which the azimuth is controlled predictively");
     field("overhead_horizon_s", self.overhead_horizon_s, Range{0.5, 20},
-          "how far ahead it looks there");
+          "prediction horizon of the azimuth near the zenith");
     field("drift_memory_s", self.drift_memory_s, Range{0, 60},
-          "there, time constant of the mean motion that is taken to go on so long: no gust");
+          "time constant of the low pass on the drift for that prediction, against gusts");
   }
 };
 
@@ -97,31 +97,30 @@ struct HoldConfig {
   double max_predicted_sigma_m = 0.1;
   double max_tether_age_s = 0.2;
   double max_slack_m = 0.5;
-  double forget_after_s = 2.0;
+  double reset_integral_after_s = 2.0;
   PaperHoldConfig paper;
   RecommendedHoldConfig recommended;
 
   static void fields(auto& self, auto&& field) {
     field("mode", self.mode, "the hold paper's procedure, or PI in metres with prediction");
-    field("limits", self.limits, "the vehicle's");
+    field("limits", self.limits, "limits of the vehicle");
     field("max_estimate_age_s", self.max_estimate_age_s, kPositive,
-          "an estimate whose exposure is longer ago commands nothing");
-    field("max_predicted_sigma_m", self.max_predicted_sigma_m, kNotNegative,
-          "where nothing is measured, a place that inertia led to is steered by while its standard "
-          "deviation is below that");
-    field("max_tether_age_s", self.max_tether_age_s, kPositive,
-          "with a tether reading older than this nothing is commanded");
-    field("max_slack_m", self.max_slack_m, kNotNegative,
-          "so much more the reel may pay out while the tether is slack; mode paper waits instead");
-    field("forget_after_s", self.forget_after_s, kNotNegative,
-          "after so long without position control the integrals are dropped");
+          "maximum age of an estimate since its exposure");
+    field("max_predicted_sigma_m", self.max_predicted_sigma_m, kNonNegative,
+          "maximum standard deviation of an inertially predicted position for control without an "
+          "image measurement");
+    field("max_tether_age_s", self.max_tether_age_s, kPositive, "maximum age of a tether reading");
+    field("max_slack_m", self.max_slack_m, kNonNegative,
+          "maximum length paid out while the tether is slack; mode paper holds instead");
+    field("reset_integral_after_s", self.reset_integral_after_s, kNonNegative,
+          "time without position control after which the integrals are reset");
     field("paper", self.paper, "mode paper");
     field("recommended", self.recommended, "mode recommended");
   }
 };
 
-/// The same for a drone that does not obey, as in a recording: without the integrals and the
-/// prediction, which take the way that the drone goes for an answer to the commands.
-[[nodiscard]] HoldConfig in_the_shadow(const HoldConfig& config);
+/// Configuration for a drone that does not execute the commands, as in a recording. Integrals and
+/// prediction are off, since both attribute the drone's motion to the commands.
+[[nodiscard]] HoldConfig in_shadow_mode(const HoldConfig& config);
 
 }  // namespace stillkite

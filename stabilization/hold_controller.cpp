@@ -10,13 +10,13 @@
 namespace stillkite {
 namespace {
 
-// A longer step would let one estimate wind up an integral.
-constexpr double kLongestStep_s = 0.5;
+// Bounds the growth of the integrals from one estimate.
+constexpr double kMaxStep_s = 0.5;
 
 HoldConfig checked(const HoldConfig& config) {
   if (config.limits.min_length_m < config.limits.max_length_m) return config;
   throw InputError("limits.min_length_m: " + std::to_string(config.limits.min_length_m) +
-                   " is not below limits.max_length_m, " +
+                   " must be below limits.max_length_m, " +
                    std::to_string(config.limits.max_length_m));
 }
 
@@ -40,35 +40,37 @@ HoldDecision decision_of(const HoldPlan& plan, const HoldInput& input) {
   return {.command = plan.command,
           .action = all_zero(plan.command) ? HoldAction::hold : HoldAction::command,
           .reason = reason_of(plan, input),
-          .way_home_in_station_m = plan.way_home_in_station_m,
-          .turn_home_rad = plan.turn_home_rad};
+          .position_error_in_station_m = plan.position_error_in_station_m,
+          .yaw_error_rad = plan.yaw_error_rad};
 }
 
 }  // namespace
 
 HoldController::HoldController(const HoldConfig& config)
-    : config_(checked(config)), own_(config.recommended.lag_s), held_(config.recommended.lag_s) {}
+    : config_(checked(config)),
+      velocity_model_(config.recommended.lag_s),
+      tether_model_(config.recommended.lag_s) {}
 
-// What the commands have done is believed, and counts.
-bool HoldController::keeps_by_commands() const {
+bool HoldController::uses_tether_model() const {
   return config_.mode == HoldMode::recommended && config_.recommended.predict;
 }
 
 double HoldController::advance(Timestamp now) {
   if (last_ && now < *last_) *this = HoldController(config_);
-  own_.advance(now);
-  held_.advance(now);
-  const double dt_s = last_ ? std::min(seconds_between(*last_, now), kLongestStep_s) : 0;
+  velocity_model_.advance(now);
+  tether_model_.advance(now);
+  const double dt_s = last_ ? std::min(seconds_between(*last_, now), kMaxStep_s) : 0;
   last_ = now;
-  if (last_moved_ && seconds_between(*last_moved_, now) > config_.forget_after_s) {
-    memory_ = {};
-    last_moved_.reset();
+  if (last_position_control_ &&
+      seconds_between(*last_position_control_, now) > config_.reset_integral_after_s) {
+    state_ = {};
+    last_position_control_.reset();
   }
   return dt_s;
 }
 
-// A slack tether that is paid out further moves nothing, or hangs low.
-VehicleLimits HoldController::take_limits(const TetherReading& reading) {
+// Paying out a slack tether does not move the drone; the tether sags.
+VehicleLimits HoldController::update_limits(const TetherReading& reading) {
   if (reading.taut || !taut_length_m_) taut_length_m_ = reading.tether.length_m;
   VehicleLimits limits = config_.limits;
   if (!reading.taut) {
@@ -78,36 +80,36 @@ VehicleLimits HoldController::take_limits(const TetherReading& reading) {
 }
 
 HoldPlan HoldController::plan(const HoldInput& input, HoldReason reason, double dt_s) {
-  HoldPlan held{.reason = reason, .memory = memory_};
-  for (PidState& axis : held.memory.axes) axis = at_rest(axis);
-  if (held.reason != HoldReason::none) return held;
+  HoldPlan hold{.reason = reason, .state = state_};
+  for (PidState& axis : hold.state.axes) axis = integral_of(axis);
+  if (hold.reason != HoldReason::none) return hold;
   HoldConfig config = config_;
-  config.limits = take_limits(*input.tether);
+  config.limits = update_limits(*input.tether);
   const HoldPlan plan = config.mode == HoldMode::paper
-                            ? plan_as_in_paper(config, input, memory_, dt_s)
-                            : plan_recommended(config, input, memory_, own_, dt_s);
+                            ? plan_paper(config, input, state_, dt_s)
+                            : plan_recommended(config, input, state_, velocity_model_, dt_s);
   if (all_finite(plan.command)) return plan;
-  held.reason = HoldReason::not_finite;
-  return held;
+  hold.reason = HoldReason::not_finite;
+  return hold;
 }
 
 HoldDecision HoldController::decide(const HoldInput& latest) {
   const double dt_s = advance(latest.now);
   const HoldReason reason = reason_to_hold(config_, latest);
   HoldInput input = latest;
-  if (reason == HoldReason::none && keeps_by_commands()) {
-    input.tether->tether = held_.take(latest.tether->tether);
+  if (reason == HoldReason::none && uses_tether_model()) {
+    input.tether->tether = tether_model_.update(latest.tether->tether);
   }
   const HoldPlan plan = this->plan(input, reason, dt_s);
-  memory_ = plan.memory;
-  LevelMotion commanded = LevelMotion::Zero();
-  if (plan.reason == HoldReason::none) last_moved_ = input.now;
+  state_ = plan.state;
+  TranslationYaw commanded = TranslationYaw::Zero();
+  if (plan.reason == HoldReason::none) last_position_control_ = input.now;
   if (!all_zero(plan.command)) {
     commanded << velocity_in_station_m_s(input.tether->tether, plan.command),
         plan.command.yaw_rate_rad_s;
   }
-  own_.set_command(commanded);
-  held_.set_command(plan.command);
+  velocity_model_.set_command(commanded);
+  tether_model_.set_command(plan.command);
   return decision_of(plan, input);
 }
 

@@ -2,40 +2,40 @@
 
 #include <optional>
 
-#include "stabilization/held_tether.hpp"
 #include "stabilization/hold_config.hpp"
 #include "stabilization/hold_decision.hpp"
 #include "stabilization/hold_plan.hpp"
+#include "stabilization/tether_model.hpp"
 #include "stabilization/velocity_model.hpp"
 
 namespace stillkite {
 
-/// From what is known of the camera's way from its place to rates of the tether that bring it back
-/// (hold paper, section IV; docs/hold_controller.md).
+/// Position hold: from the estimated displacement from the reference pose to tether rates that
+/// reduce it (hold paper, section IV; docs/hold_control.md).
 ///
-/// Each decision commands or holds with a reason, and is within the vehicle's limits whatever came
-/// in. It is taken to be obeyed until the next.
+/// Each decision commands, or holds with a reason; it is within the vehicle's limits for any input.
+/// The internal models assume that it is executed until the next one.
 class HoldController {
  public:
-  /// Throws InputError where the ends of the tether's length exclude each other.
+  /// Throws InputError unless limits.min_length_m < limits.max_length_m.
   explicit HoldController(const HoldConfig& config);
 
-  /// At a control instant. A clock that runs backwards starts afresh.
+  /// Decision at a control instant. Resets the controller if the clock runs backwards.
   [[nodiscard]] HoldDecision decide(const HoldInput& latest);
 
  private:
   [[nodiscard]] double advance(Timestamp now);
   [[nodiscard]] HoldPlan plan(const HoldInput& input, HoldReason reason, double dt_s);
-  [[nodiscard]] VehicleLimits take_limits(const TetherReading& reading);
-  [[nodiscard]] bool keeps_by_commands() const;
+  [[nodiscard]] VehicleLimits update_limits(const TetherReading& reading);
+  [[nodiscard]] bool uses_tether_model() const;
 
   HoldConfig config_;
-  HoldMemory memory_;
-  VelocityModel own_;
-  HeldTether held_;
+  HoldState state_;
+  VelocityModel velocity_model_;
+  TetherModel tether_model_;
   std::optional<Timestamp> last_;
-  std::optional<Timestamp> last_moved_;  // when the position was controlled last
-  std::optional<double> taut_length_m_;  // read last while the tether was taut
+  std::optional<Timestamp> last_position_control_;
+  std::optional<double> taut_length_m_;  // last length measured with a taut tether
 };
 
 }  // namespace stillkite

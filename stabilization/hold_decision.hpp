@@ -14,25 +14,25 @@
 
 namespace stillkite {
 
-/// What the tether's sensors said, in the station's frame.
+/// Measurement of the tether's sensors, in the station's frame.
 struct TetherReading {
   Timestamp stamp;
   TetherState tether;
-  bool taut = true;  ///< of a slack tether the length is no distance
+  bool taut = true;  ///< if false, the length is not the distance of the drone
 };
 
-/// All that the controller may know at a control instant.
+/// Inputs of the controller at a control instant.
 struct HoldInput {
   Timestamp now;
-  std::optional<MotionEstimate> estimate;  ///< the latest
-  std::optional<TetherReading> tether;     ///< the latest
+  std::optional<MotionEstimate> estimate;  ///< latest
+  std::optional<TetherReading> tether;     ///< latest
   /// Attitude of the camera at the estimate's exposure, from the IMU and the gimbal.
   Eigen::Quaterniond station_from_camera = Eigen::Quaterniond::Identity();
 };
 
 enum class HoldAction {
   hold,     ///< all rates are 0
-  command,  ///< some rate is not 0
+  command,  ///< at least one rate is not 0
 };
 template <>
 struct EnumNames<HoldAction> {
@@ -40,21 +40,21 @@ struct EnumNames<HoldAction> {
       {{HoldAction::hold, "hold"}, {HoldAction::command, "command"}});
 };
 
-/// Why nothing is commanded, or less than would bring the drone home.
+/// Reason for no command, or for one that does not control both position and yaw.
 enum class HoldReason {
   none,                  ///< position and yaw are both controlled
-  no_estimate,           ///< none has arrived yet
+  no_estimate,           ///< no estimate received yet
   estimate_lost,         ///< the estimator measured nothing
-  estimate_gated,        ///< the estimator does not yet believe what it measured
-  estimate_stale,        ///< too old, or of the future
-  not_finite,            ///< a number of the input is none, or a quaternion has no direction
-  no_tether_reading,     ///< none has arrived yet
-  tether_stale,          ///< too old, or of the future
-  tether_slack,          ///< the reel pays out little more
-  tether_out_of_range,   ///< a length or elevation that cannot be
-  angle_first,           ///< rotation is corrected before translation, or awaited
-  displacement_unknown,  ///< rotation is known, where home lies is not
-  within_dead_band,      ///< nothing to correct
+  estimate_gated,        ///< the estimator's gate rejected the measurement
+  estimate_stale,        ///< too old, or stamped in the future
+  not_finite,            ///< an input is not finite, or a quaternion has no unit norm
+  no_tether_reading,     ///< no tether reading received yet
+  tether_stale,          ///< too old, or stamped in the future
+  tether_slack,          ///< `max_slack_m` limits the length
+  tether_out_of_range,   ///< impossible length, elevation or azimuth
+  angle_first,           ///< rotation is corrected, or awaited, before translation
+  displacement_unknown,  ///< rotation is measured, translation is not
+  within_dead_band,      ///< errors are within the dead bands
 };
 template <>
 struct EnumNames<HoldReason> {
@@ -74,16 +74,16 @@ struct EnumNames<HoldReason> {
        {HoldReason::within_dead_band, "within_dead_band"}});
 };
 
-/// A command that is within the vehicle's limits, whatever came in. `hold` always has a reason;
-/// `command` with a reason turns the drone but does not move it, except on a slack tether.
+/// Command within the vehicle's limits for any input. Action `hold` always has a reason; `command`
+/// with a reason controls yaw only, except on a slack tether.
 struct HoldDecision {
   TetherCommand command;
   HoldAction action = HoldAction::hold;
   HoldReason reason = HoldReason::no_estimate;
-  /// The way home and the turn home (left is +) at the exposure, as the command took them; in the
-  /// paper's mode the way is its unit translation.
-  Eigen::Vector3d way_home_in_station_m = Eigen::Vector3d::Zero();
-  double turn_home_rad = 0;
+  /// Errors to the reference pose at the exposure, reference minus camera, as the controller used
+  /// them; in mode paper the position error is the unit translation. Yaw to the left is +.
+  Eigen::Vector3d position_error_in_station_m = Eigen::Vector3d::Zero();
+  double yaw_error_rad = 0;
 };
 
 }  // namespace stillkite

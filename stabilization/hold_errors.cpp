@@ -25,8 +25,8 @@ bool is_finite(const MotionEstimate& estimate) {
          (!estimate.twist_in_camera || estimate.twist_in_camera->vector().allFinite());
 }
 
-// Of the place; infinite where it is not known in metres.
-double sigma_m(const MotionEstimate& estimate) {
+// Root of the position covariance's trace; infinite if the estimate is not metric.
+double position_sigma_m(const MotionEstimate& estimate) {
   if (estimate.displacement_kind != DisplacementKind::metric) {
     return std::numeric_limits<double>::infinity();
   }
@@ -38,14 +38,14 @@ bool is_current(Timestamp stamp, Timestamp now, double max_age_s) {
   return age_s >= 0 && age_s <= max_age_s;
 }
 
-// A reading may be a little beyond the ends that commands keep to, but not absurd.
+// Plausible range of a measurement; wider than the command limits.
 bool is_possible(const VehicleLimits& limits, const TetherState& tether) {
-  constexpr double kMostTurns_rad = 1e3;
-  constexpr double kBelowLevel_rad = std::numbers::pi / 4;
+  constexpr double kMaxAzimuth_rad = 1e3;
+  constexpr double kElevationMargin_rad = std::numbers::pi / 4;
   return tether.length_m >= 0 && tether.length_m <= 2 * limits.max_length_m &&
-         tether.elevation_rad >= -kBelowLevel_rad &&
-         tether.elevation_rad <= std::numbers::pi + kBelowLevel_rad &&
-         std::abs(tether.azimuth_rad) <= kMostTurns_rad;
+         tether.elevation_rad >= -kElevationMargin_rad &&
+         tether.elevation_rad <= std::numbers::pi + kElevationMargin_rad &&
+         std::abs(tether.azimuth_rad) <= kMaxAzimuth_rad;
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ HoldReason reason_to_hold(const HoldConfig& config, const HoldInput& input) {
   const MotionEstimate& estimate = *input.estimate;
   if (estimate.status == EstimateStatus::lost) return HoldReason::estimate_lost;
   if (estimate.status == EstimateStatus::predicted &&
-      !(sigma_m(estimate) <= config.max_predicted_sigma_m)) {
+      !(position_sigma_m(estimate) <= config.max_predicted_sigma_m)) {
     return HoldReason::estimate_lost;
   }
   if (estimate.status == EstimateStatus::gated) return HoldReason::estimate_gated;
@@ -75,8 +75,8 @@ HoldReason reason_to_hold(const HoldConfig& config, const HoldInput& input) {
                                                           : HoldReason::tether_out_of_range;
 }
 
-Eigen::Vector3d way_home_in_station(const MotionEstimate& estimate,
-                                    const Eigen::Quaterniond& station_from_camera) {
+Eigen::Vector3d position_error_in_station(const MotionEstimate& estimate,
+                                          const Eigen::Quaterniond& station_from_camera) {
   const Eigen::Quaterniond station_from_reference =
       station_from_camera * estimate.reference_from_camera.conjugate();
   return -(station_from_reference * estimate.displacement_in_reference);
@@ -89,12 +89,12 @@ std::optional<Eigen::Vector3d> velocity_in_station_m_s(
   return Eigen::Vector3d(station_from_camera * estimate.twist_in_camera->velocity_m_s);
 }
 
-double turn_home_rad(const MotionEstimate& estimate,
+double yaw_error_rad(const MotionEstimate& estimate,
                      const Eigen::Quaterniond& station_from_camera) {
-  const Eigen::Quaterniond home_from_here = station_from_camera *
-                                            estimate.reference_from_camera.conjugate() *
-                                            station_from_camera.conjugate();
-  return wrap_angle_rad(2 * std::atan2(home_from_here.z(), home_from_here.w()));
+  const Eigen::Quaterniond rotation_to_reference = station_from_camera *
+                                                   estimate.reference_from_camera.conjugate() *
+                                                   station_from_camera.conjugate();
+  return wrap_angle_rad(2 * std::atan2(rotation_to_reference.z(), rotation_to_reference.w()));
 }
 
 EulerAngles paper_angles(const MotionEstimate& estimate) {

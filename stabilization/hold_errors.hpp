@@ -10,26 +10,26 @@
 
 namespace stillkite {
 
-/// Why no command may follow from this input, or `none`; the first that holds.
+/// First reason for which this input allows no command, or `none`.
 [[nodiscard]] HoldReason reason_to_hold(const HoldConfig& config, const HoldInput& input);
 
-/// From the camera to where it should be, in the station's frame, of the length that the estimate
-/// gives its displacement c: -R_station_from_camera R_camera_from_reference c.
-[[nodiscard]] Eigen::Vector3d way_home_in_station(const MotionEstimate& estimate,
-                                                  const Eigen::Quaterniond& station_from_camera);
+/// Position error, reference minus camera, in the station's frame and in the length unit of the
+/// estimate's displacement c: -R_station_from_camera R_camera_from_reference c.
+[[nodiscard]] Eigen::Vector3d position_error_in_station(
+    const MotionEstimate& estimate, const Eigen::Quaterniond& station_from_camera);
 
-/// The camera's velocity in the station's frame; nothing where the estimate knows none in metres.
+/// Velocity of the camera in the station's frame; nullopt without a metric estimate of it.
 [[nodiscard]] std::optional<Eigen::Vector3d> velocity_in_station_m_s(
     const MotionEstimate& estimate, const Eigen::Quaterniond& station_from_camera);
 
-/// The turn about the station's z (left is +) that the camera is from the reference's attitude:
-/// the twist of the rotation that takes it there, in (-pi, pi]. Pitch and roll do not enter.
-[[nodiscard]] double turn_home_rad(const MotionEstimate& estimate,
+/// Yaw error, reference minus camera, about the station's z (left is +), in (-pi, pi]: the twist of
+/// the rotation from camera to reference (swing-twist decomposition), so without pitch and roll.
+[[nodiscard]] double yaw_error_rad(const MotionEstimate& estimate,
                                    const Eigen::Quaterniond& station_from_camera);
 
-/// Hold paper, eq. (6)-(8), of the rotation that takes the reference's axes to the camera's:
-/// theta_x is the roll of the result, theta_y its pitch, theta_z its yaw. A camera that has turned
-/// left has theta_y > 0.
+/// Euler angles of the rotation from the reference's axes to the camera's (hold paper, eq. 6-8):
+/// theta_x is the roll of the result, theta_y its pitch, theta_z its yaw. theta_y > 0 for a camera
+/// that has yawed left.
 [[nodiscard]] EulerAngles paper_angles(const MotionEstimate& estimate);
 
 }  // namespace stillkite

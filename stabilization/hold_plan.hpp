@@ -10,40 +10,40 @@
 
 namespace stillkite {
 
-/// Of length, elevation, azimuth and yaw in the paper's mode; of x, y, z in the station's frame and
-/// yaw in the recommended one.
+/// Controllers of length, elevation, azimuth and yaw in mode paper; of x, y, z in the station's
+/// frame and yaw in mode recommended.
 using HoldAxes = std::array<PidState, 4>;
 
-/// What the controllers carry from one decision to the next.
-struct HoldMemory {
+/// State of the controllers between two decisions.
+struct HoldState {
   HoldAxes axes;
-  /// The rate at which the way home grows without commands, in the mean of the last seconds: the
-  /// opposite of the station's motion, without gusts. Of the recommended mode.
+  /// Low-passed growth rate of the position error without commands: minus the station's velocity,
+  /// without gusts. Mode recommended only.
   Eigen::Vector3d drift_in_station_m_s = Eigen::Vector3d::Zero();
 };
 
-/// What to command, and what to remember.
+/// Command and next state.
 struct HoldPlan {
   TetherCommand command;                 ///< within the limits
-  HoldReason reason = HoldReason::none;  ///< why the drone is not moved, if it is not
-  Eigen::Vector3d way_home_in_station_m = Eigen::Vector3d::Zero();
-  double turn_home_rad = 0;
-  HoldMemory memory;
+  HoldReason reason = HoldReason::none;  ///< reason for no translation command
+  Eigen::Vector3d position_error_in_station_m = Eigen::Vector3d::Zero();
+  double yaw_error_rad = 0;
+  HoldState state;
 };
 
-/// Hold paper, sections III (thresholds) and IV: angles first, then the mean shift, then the unit
-/// translation as metres to a desired length, elevation and azimuth, each with its own PID.
-/// For an input with `reason_to_hold` none.
-[[nodiscard]] HoldPlan plan_as_in_paper(const HoldConfig& config, const HoldInput& input,
-                                        const HoldMemory& before, double dt_s);
+/// Hold paper, sections III (thresholds) and IV: angles, then the mean shift, then the unit
+/// translation in metres to a desired length, elevation and azimuth, one PID each.
+/// Precondition: `reason_to_hold` is none.
+[[nodiscard]] HoldPlan plan_paper(const HoldConfig& config, const HoldInput& input,
+                                  const HoldState& before, double dt_s);
 
-/// State feedback or PI on the predicted way home, docs/hold_controller.md. For an input with
-/// `reason_to_hold` none.
+/// State feedback or PI on the predicted position error, docs/hold_control.md.
+/// Precondition: `reason_to_hold` is none.
 [[nodiscard]] HoldPlan plan_recommended(const HoldConfig& config, const HoldInput& input,
-                                        const HoldMemory& before, const VelocityModel& own,
-                                        double dt_s);
+                                        const HoldState& before,
+                                        const VelocityModel& velocity_model, double dt_s);
 
-/// At rest: the integral stays, what remembers the last error does not.
-[[nodiscard]] PidState at_rest(const PidState& state);
+/// The state's integral alone, without the last error and output.
+[[nodiscard]] PidState integral_of(const PidState& state);
 
 }  // namespace stillkite

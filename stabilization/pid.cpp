@@ -13,8 +13,8 @@ double beyond_dead_band(double error, double band) {
 double within_bounds(const PidConfig& config, const PidState& state, double output, double dt_s) {
   const double limited = std::clamp(output, -config.output_limit, config.output_limit);
   if (!config.slew_limit) return limited;
-  const double most = *config.slew_limit * dt_s;
-  return std::clamp(limited, state.output - most, state.output + most);
+  const double max_change = *config.slew_limit * dt_s;
+  return std::clamp(limited, state.output - max_change, state.output + max_change);
 }
 
 }  // namespace
@@ -32,9 +32,9 @@ PidStep step(const PidConfig& config, const PidState& state, double error, doubl
   next.integral = std::clamp(state.integral + config.integral * e * dt_s, -config.integral_limit,
                              config.integral_limit);
   const double without_integral = config.proportional * e + config.derivative * next.error_rate;
-  const double wanted = without_integral + next.integral;
-  next.output = within_bounds(config, state, wanted, dt_s);
-  if ((wanted - next.output) * e > 0) next.integral = state.integral;
+  const double unlimited = without_integral + next.integral;
+  next.output = within_bounds(config, state, unlimited, dt_s);
+  if ((unlimited - next.output) * e > 0) next.integral = state.integral;
   return {next.output, next};
 }
 

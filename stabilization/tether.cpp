@@ -6,14 +6,14 @@
 namespace stillkite {
 namespace {
 
-// Below this share of the length the azimuth is rounding error, not a direction.
-constexpr double kAtTheZenith = 1e-9;
+// Minimum ratio of horizontal distance to length at which the azimuth is above rounding error.
+constexpr double kMinHorizontalRatio = 1e-9;
 
-double nearest_turn(double angle_rad, double near_rad) {
+double nearest_equivalent_rad(double angle_rad, double near_rad) {
   return near_rad + std::remainder(angle_rad - near_rad, 2 * std::numbers::pi);
 }
 
-double squared_way(const TetherState& a, const TetherState& b) {
+double squared_difference_rad2(const TetherState& a, const TetherState& b) {
   return std::pow(a.elevation_rad - b.elevation_rad, 2) +
          std::pow(a.azimuth_rad - b.azimuth_rad, 2);
 }
@@ -21,8 +21,8 @@ double squared_way(const TetherState& a, const TetherState& b) {
 }  // namespace
 
 Eigen::Vector3d position_in_station(const TetherState& tether) {
-  const double level_m = tether.length_m * std::cos(tether.elevation_rad);
-  return {level_m * std::cos(tether.azimuth_rad), level_m * std::sin(tether.azimuth_rad),
+  const double horizontal_m = tether.length_m * std::cos(tether.elevation_rad);
+  return {horizontal_m * std::cos(tether.azimuth_rad), horizontal_m * std::sin(tether.azimuth_rad),
           tether.length_m * std::sin(tether.elevation_rad)};
 }
 
@@ -30,15 +30,19 @@ TetherState tether_to(const Eigen::Vector3d& position_in_station_m, const Tether
   const Eigen::Vector3d& p = position_in_station_m;
   const double length_m = std::hypot(p.x(), p.y(), p.z());
   if (length_m == 0) return {0, near.elevation_rad, near.azimuth_rad};
-  const double level_m = std::hypot(p.x(), p.y());
-  const double elevation_rad = std::atan2(p.z(), level_m);
-  if (level_m <= kAtTheZenith * length_m) return {length_m, elevation_rad, near.azimuth_rad};
-  // one direction, two names: over the zenith the elevation passes pi/2 and the azimuth looks back
+  const double horizontal_m = std::hypot(p.x(), p.y());
+  const double elevation_rad = std::atan2(p.z(), horizontal_m);
+  if (horizontal_m <= kMinHorizontalRatio * length_m)
+    return {length_m, elevation_rad, near.azimuth_rad};
+  // two solutions: elevation up to pi/2, or beyond it with the opposite azimuth
   const double azimuth_rad = std::atan2(p.y(), p.x());
-  const TetherState ahead{length_m, elevation_rad, nearest_turn(azimuth_rad, near.azimuth_rad)};
-  const TetherState behind{length_m, std::numbers::pi - elevation_rad,
-                           nearest_turn(azimuth_rad + std::numbers::pi, near.azimuth_rad)};
-  return squared_way(behind, near) < squared_way(ahead, near) ? behind : ahead;
+  const TetherState ahead{length_m, elevation_rad,
+                          nearest_equivalent_rad(azimuth_rad, near.azimuth_rad)};
+  const TetherState behind{
+      length_m, std::numbers::pi - elevation_rad,
+      nearest_equivalent_rad(azimuth_rad + std::numbers::pi, near.azimuth_rad)};
+  return squared_difference_rad2(behind, near) < squared_difference_rad2(ahead, near) ? behind
+                                                                                      : ahead;
 }
 
 }  // namespace stillkite

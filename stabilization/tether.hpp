@@ -4,15 +4,15 @@
 
 namespace stillkite {
 
-/// The drone seen from its station, in the station's frame (x ahead, y left, z up). The elevation
-/// runs from 0 to pi, so that the azimuth stays continuous across the zenith.
+/// Spherical coordinates of the drone in the station's frame (x ahead, y left, z up). The elevation
+/// is in [0, pi], so that the azimuth is continuous across the zenith.
 struct TetherState {
   double length_m = 0;
   double elevation_rad = 0;
   double azimuth_rad = 0;
 };
 
-/// What a tethered drone obeys: rates of its three coordinates, and of its own yaw (left is +).
+/// Command to a tethered drone: rates of its three coordinates and of its own yaw (left is +).
 struct TetherCommand {
   double length_rate_m_s = 0;
   double elevation_rate_rad_s = 0;
@@ -20,11 +20,11 @@ struct TetherCommand {
   double yaw_rate_rad_s = 0;
 };
 
-/// Hold paper, eq. (9)-(11).
+/// Position from length, elevation and azimuth (hold paper, eq. 9-11).
 [[nodiscard]] Eigen::Vector3d position_in_station(const TetherState& tether);
 
-/// The inverse, on the branch of (elevation, azimuth) that is nearest to `near`: at the zenith and
-/// at length 0 the azimuth of `near` is kept.
+/// Inverse of `position_in_station`, on the branch of (elevation, azimuth) nearest to `near`. At
+/// the zenith it keeps the azimuth of `near`, at length 0 also the elevation.
 [[nodiscard]] TetherState tether_to(const Eigen::Vector3d& position_in_station_m,
                                     const TetherState& near);
 

@@ -12,21 +12,23 @@ void VelocityModel::advance(Timestamp now) {
     const double dt_s = seconds_between(last.stamp, now);
     if (!(dt_s > 0)) return;
     // closed form of w' = (u - w) / lag and of its integral
-    const double gone = lag_s_ > 0 ? -std::expm1(-dt_s / lag_s_) : 1;
-    next.way = last.way + command_ * dt_s + (rate_ - command_) * (lag_s_ * gone);
-    rate_ += (command_ - rate_) * gone;
+    const double response = lag_s_ > 0 ? -std::expm1(-dt_s / lag_s_) : 1;
+    next.displacement =
+        last.displacement + command_ * dt_s + (rate_ - command_) * (lag_s_ * response);
+    rate_ += (command_ - rate_) * response;
     next.rate = rate_;
   }
   past_[count_ % kInstants] = next;
   ++count_;
 }
 
-LevelMotion VelocityModel::way_since(Timestamp since) const {
-  return count_ == 0 ? LevelMotion::Zero()
-                     : LevelMotion(past_[(count_ - 1) % kInstants].way - at(since).way);
+TranslationYaw VelocityModel::displacement_since(Timestamp since) const {
+  return count_ == 0 ? TranslationYaw::Zero()
+                     : TranslationYaw(past_[(count_ - 1) % kInstants].displacement -
+                                      at(since).displacement);
 }
 
-LevelMotion VelocityModel::rate_at(Timestamp then) const {
+TranslationYaw VelocityModel::rate_at(Timestamp then) const {
   return at(then).rate;
 }
 
@@ -40,7 +42,7 @@ VelocityModel::Instant VelocityModel::at(Timestamp then) const {
       const double between_s = seconds_between(here.stamp, later->stamp);
       const double ratio =
           between_s > 0 ? std::min(1.0, seconds_between(here.stamp, then) / between_s) : 0.0;
-      return {then, here.way + ratio * (later->way - here.way),
+      return {then, here.displacement + ratio * (later->displacement - here.displacement),
               here.rate + ratio * (later->rate - here.rate)};
     }
     later = &here;

@@ -17,7 +17,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<double, FlowRows::kPadding>;
 using V = hn::Vec<D>;
 
-// The columns of the motion field's rotational part: d(x, y)/dt by w_x, w_y, w_z.
+// Rotational columns of the motion field: d(x, y)/dt by w_x, w_y, w_z.
 struct Rotation {
   std::array<V, 3> x, y;
 };
@@ -29,8 +29,8 @@ Rotation rotation_of(V x, V y) {
           {hn::MulAdd(y, y, one), hn::Neg(xy), hn::Neg(x)}};
 }
 
-// motion_field of motion_field.hpp, many rows at a time. The translation's columns are
-// rho (-1, 0), rho (0, -1) and rho b, so that its products with G need only G, G b and b^T G b.
+// Vectorised motion_field (motion_field.hpp). The translational columns are rho (-1, 0),
+// rho (0, -1) and rho b: their products with G need only G, G b and b^T G b.
 void sums_kernel(const FlowRows& rows, std::size_t begin, std::size_t end, const double* weights,
                  std::array<double, 27>& out) {
   const D d;
@@ -51,7 +51,7 @@ void sums_kernel(const FlowRows& rows, std::size_t begin, std::size_t end, const
       sum[k] = hn::MulAdd(a, b, sum[k]);
       ++k;
     };
-    // translation by translation: rho^2 times the products with -1, -1 and b
+    // translation block: rho^2 times the products with -1, -1 and b
     const V rho2 = hn::Mul(rho, rho);
     const V gbx = hn::MulAdd(gxx, x, hn::Mul(gxy, y));
     const V gby = hn::MulAdd(gxy, x, hn::Mul(gyy, y));
@@ -61,7 +61,7 @@ void sums_kernel(const FlowRows& rows, std::size_t begin, std::size_t end, const
     add(rho2, gyy);
     add(rho2, hn::Neg(gby));
     add(rho2, hn::MulAdd(x, gbx, hn::Mul(y, gby)));
-    // translation by rotation, rotation by rotation
+    // translation-rotation and rotation blocks
     const Rotation m = rotation_of(x, y);
     const V minus_rho = hn::Neg(rho);
     for (std::size_t j = 0; j < 3; ++j) {
@@ -75,7 +75,7 @@ void sums_kernel(const FlowRows& rows, std::size_t begin, std::size_t end, const
         ++k;
       }
     }
-    // the right-hand side
+    // right-hand side
     const V gux = hn::MulAdd(gxx, ux, hn::Mul(gxy, uy));
     const V guy = hn::MulAdd(gxy, ux, hn::Mul(gyy, uy));
     add(minus_rho, gux);
@@ -110,7 +110,7 @@ void distances_kernel(const FlowRows& rows, const std::array<double, 6>& twist, 
     const V gyy = hn::LoadU(d, &rows.gyy[i]);
     const V grx = hn::MulAdd(gxx, rx, hn::Mul(gxy, ry));
     const V gry = hn::MulAdd(gxy, rx, hn::Mul(gyy, ry));
-    // a singular G may round below zero
+    // rounding of a singular G may give a negative value
     hn::StoreU(hn::Max(hn::Zero(d), hn::MulAdd(rx, grx, hn::Mul(ry, gry))), d, out + i);
   }
 }
@@ -142,10 +142,11 @@ TwistEquations weighted_sums(const FlowRows& rows, std::size_t begin, std::size_
   return out;
 }
 
-void measure_squared_distances(const FlowRows& rows, const Vector6d& twist,
+void compute_squared_distances(const FlowRows& rows, const Vector6d& twist,
                                std::span<double> squared_distances) {
-  const std::array<double, 6> numbers{twist(0), twist(1), twist(2), twist(3), twist(4), twist(5)};
-  HWY_DYNAMIC_DISPATCH(distances_kernel)(rows, numbers, squared_distances.data());
+  const std::array<double, 6> components{twist(0), twist(1), twist(2),
+                                         twist(3), twist(4), twist(5)};
+  HWY_DYNAMIC_DISPATCH(distances_kernel)(rows, components, squared_distances.data());
 }
 
 }  // namespace stillkite

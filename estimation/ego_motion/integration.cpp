@@ -21,9 +21,10 @@ RigidTransform integrate_euler(const RigidTransform& world_from_body,
 
 RigidTransform integrate_twist(const RigidTransform& world_from_camera,
                                const Twist& twist_in_camera, double dt_s) {
-  const Eigen::Vector3d turn = twist_in_camera.angular_rate_rad_s * dt_s;
-  const Eigen::Vector3d way = so3_left_jacobian(turn) * twist_in_camera.velocity_m_s * dt_s;
-  return world_from_camera * RigidTransform{so3_exp(turn), way};
+  const Eigen::Vector3d rotation_vector = twist_in_camera.angular_rate_rad_s * dt_s;
+  const Eigen::Vector3d displacement =
+      so3_left_jacobian(rotation_vector) * twist_in_camera.velocity_m_s * dt_s;
+  return world_from_camera * RigidTransform{so3_exp(rotation_vector), displacement};
 }
 
 }  // namespace stillkite

@@ -11,22 +11,23 @@
 
 namespace stillkite {
 
-/// One velocity, linear or angular, and the variance of its error.
+/// Estimate of one velocity component (m/s or rad/s) and its error variance.
 struct AxisEstimate {
   double value = 0;
   double variance = 0;
 };
 
-/// Equation (3) of the flow paper: V <- V + a dt, P <- P + Q. Alone it is the step of a frame
-/// without an answer.
+/// Prediction: V <- V + a dt, P <- P + Q (flow paper, eq. 3). The only step of a frame without a
+/// measurement.
 [[nodiscard]] AxisEstimate predict_axis(const AxisEstimate& previous, double acceleration,
                                         double dt_s, double process_variance);
 
-/// Equations (5) and (6), R > 0: K = P / (P + R), V <- K m + (1 - K) V, P <- R P / (P + R).
+/// Correction: K = P / (P + R), V <- K m + (1 - K) V, P <- R P / (P + R) (flow paper, eq. 5 and 6).
+/// Precondition: R > 0.
 [[nodiscard]] AxisEstimate correct_axis(const AxisEstimate& predicted, double measurement,
                                         double measurement_variance);
 
-/// Where (5) and (6) settle: P = (-Q + sqrt(Q^2 + 4 Q R)) / 2, K = P / R.
+/// Steady state of the filter: P = (-Q + sqrt(Q^2 + 4 Q R)) / 2, K = P / R.
 struct AxisSteadyState {
   double variance;
   double gain;
@@ -34,7 +35,7 @@ struct AxisSteadyState {
 [[nodiscard]] AxisSteadyState axis_steady_state(double process_variance,
                                                 double measurement_variance);
 
-/// Whose variance a measurement gets: the config's (the paper's) or its own.
+/// Measurement variance: configured (flow paper) or estimated by the least squares.
 enum class MeasurementVariance { fixed, measured };
 
 template <>
@@ -43,8 +44,8 @@ struct EnumNames<MeasurementVariance> {
       {{MeasurementVariance::fixed, "fixed"}, {MeasurementVariance::measured, "measured"}});
 };
 
-/// Six filters side by side, the defaults those of the flow paper's section 5.1. The process noise
-/// is, as there, that of one step.
+/// Six scalar Kalman filters, one per velocity component. Defaults: flow paper, section 5.1;
+/// process noise per step.
 struct KalmanFilterConfig {
   MeasurementVariance variance = MeasurementVariance::fixed;
   double velocity_sigma_m_s = 0.3;
@@ -54,33 +55,34 @@ struct KalmanFilterConfig {
 
   static void fields(auto& self, auto&& field) {
     field("variance", self.variance,
-          "whose variance a measurement gets: the fixed ones below, its own");
+          "measurement variance: configured below, or estimated per frame");
     field("velocity_sigma_m_s", self.velocity_sigma_m_s, Range{1e-9, 1e9},
-          "of a measurement, an axis");
+          "standard deviation of a velocity measurement, per axis");
     field("angular_rate_sigma_rad_s", self.angular_rate_sigma_rad_s, Range{1e-9, 1e9},
-          "of a measurement, an axis");
+          "standard deviation of an angular rate measurement, per axis");
     field("velocity_process_sigma_m_s", self.velocity_process_sigma_m_s, Range{0, 1e9},
-          "change of velocity in one step, an axis");
+          "standard deviation of the velocity change per step, per axis");
     field("angular_rate_process_sigma_rad_s", self.angular_rate_process_sigma_rad_s, Range{0, 1e9},
-          "change of angular rate in one step, an axis");
+          "standard deviation of the angular rate change per step, per axis");
   }
 };
 
-/// The paper's vector V = (V_x, V_y, V_z, w_x, w_y, w_z): velocity in the world's axes, angular
-/// rate in the camera's.
+/// State V = (V_x, V_y, V_z, w_x, w_y, w_z): velocity in world, angular rate in camera.
 using AxisEstimates = std::array<AxisEstimate, 6>;
 
-/// One frame's least squares in those axes.
+/// Twist measurement in the axes of the filter.
 struct AxisMeasurement {
   Vector6d value;
-  Vector6d variance;  ///< diagonal of the covariance in those axes
+  Vector6d variance;  ///< diagonal of the covariance
 };
+
+/// Converts a twist and its covariance, both in camera, to the axes of the filter.
 [[nodiscard]] AxisMeasurement in_filter_axes(const Twist& twist_in_camera,
                                              const Matrix6d& covariance,
                                              const Eigen::Quaterniond& world_from_camera);
 
-/// Step 4 of the flow paper's procedure, one frame: predicts with the acceleration function a(t)
-/// and corrects with the measurement, if this frame has one.
+/// Filter step of one frame (flow paper, step 4): prediction with the acceleration a(t), correction
+/// if there is a measurement.
 [[nodiscard]] AxisEstimates filter_axes(const KalmanFilterConfig& config,
                                         const AxisEstimates& previous,
                                         const std::optional<AxisMeasurement>& measurement,

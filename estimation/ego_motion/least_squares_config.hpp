@@ -7,8 +7,8 @@
 
 namespace stillkite {
 
-/// How much a window's vector counts: all the same (the flow paper's), by its information, or by
-/// that and by how well the one motion explains it.
+/// Weight of a flow vector: uniform (flow paper), its information matrix, or that times an
+/// M-estimator weight.
 enum class Weighting { plain, information, robust };
 
 template <>
@@ -19,8 +19,8 @@ struct EnumNames<Weighting> {
        {Weighting::robust, "robust"}});
 };
 
-/// What the covariance rests on: `residuals` takes the windows' errors as independent; `cells`
-/// deletes one cell of the image at a time (jackknife), true also when neighbours err together.
+/// Covariance estimator: `residuals` assumes independent flow errors; `cells` is a delete-one-cell
+/// jackknife, consistent for spatially correlated errors as well.
 enum class CovarianceForm { residuals, cells };
 
 template <>
@@ -40,14 +40,17 @@ struct LeastSquaresConfig {
   double max_condition = 1e6;
 
   static void fields(auto& self, auto&& field) {
-    field("weighting", self.weighting, "how much a window's vector counts");
-    field("kernel", self.kernel, "of the robust weighting");
-    field("covariance", self.covariance, "what the covariance rests on");
-    field("max_iterations", self.max_iterations, Range{1, 100}, "of the reweighting");
-    field("min_windows", self.min_windows, Range{6, 1e6}, "with texture, and on the ground");
-    field("inlier_px", self.inlier_px, kPositive, "a larger residual makes an outlier");
-    field("min_inlier_ratio", self.min_inlier_ratio, Range{0, 1}, "below it no one motion fits");
-    field("max_condition", self.max_condition, Range{1, 1e15}, "of the scaled normal matrix");
+    field("weighting", self.weighting, "weight of a flow vector");
+    field("kernel", self.kernel, "M-estimator kernel of the robust weighting");
+    field("covariance", self.covariance, "covariance estimator");
+    field("max_iterations", self.max_iterations, Range{1, 100}, "maximum reweighting iterations");
+    field("min_windows", self.min_windows, Range{6, 1e6},
+          "minimum number of textured flow vectors, and of those on the ground");
+    field("inlier_px", self.inlier_px, kPositive, "maximum residual of an inlier, px");
+    field("min_inlier_ratio", self.min_inlier_ratio, Range{0, 1},
+          "minimum ratio of inliers for a valid estimate");
+    field("max_condition", self.max_condition, Range{1, 1e15},
+          "maximum condition number of the scaled normal matrix");
   }
 };
 

@@ -15,8 +15,8 @@ MotionFieldMatrix motion_field_px(const Camera& camera, const GroundPlane& groun
 
 PaperMotionField paper_motion_field(const RigidTransform& world_from_camera,
                                     const Eigen::Vector2d& bearing) {
-  const MotionFieldMatrix m = motion_field(ground_seen_from(world_from_camera), bearing);
-  // v = R^T V turns the columns of v into those of V
+  const MotionFieldMatrix m = motion_field(ground_plane_in_camera(world_from_camera), bearing);
+  // chain rule with v = R^T V
   const Eigen::Matrix<double, 2, 3> by_world_velocity =
       m.leftCols<3>() * world_from_camera.rotation.conjugate().toRotationMatrix();
   return {by_world_velocity.leftCols<2>(), m.rightCols<3>(), by_world_velocity.col(2)};

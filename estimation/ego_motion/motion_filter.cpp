@@ -5,28 +5,28 @@
 namespace stillkite {
 namespace {
 
-// The way of a shorter interval is lost in rounding.
-constexpr double kShortest_s = 1e-6;
+// Rounding dominates the displacement of shorter intervals.
+constexpr double kMinInterval_s = 1e-6;
 
 }  // namespace
 
 MotionFilter::MotionFilter(const MotionFilterConfig& config) : config_(config) {}
 
-void MotionFilter::start(const RigidTransform& pose, double velocity_sigma_m_s,
-                         double rate_sigma_rad_s) {
+void MotionFilter::initialize(const RigidTransform& pose, double velocity_sigma_m_s,
+                              double rate_sigma_rad_s) {
   pose_ = pose;
   P_.setZero();
-  forget_speed(velocity_sigma_m_s, rate_sigma_rad_s);
+  reset_twist(velocity_sigma_m_s, rate_sigma_rad_s);
 }
 
-void MotionFilter::take_as_origin() {
-  previous_covariance_ = way_covariance();
-  previous_with_state_.setZero();
+void MotionFilter::set_pose_as_origin() {
+  previous_covariance_ = relative_pose_covariance();
+  previous_cross_covariance_.setZero();
   P_.topRows<6>().setZero();
   P_.leftCols<6>().setZero();
 }
 
-void MotionFilter::forget_speed(double velocity_sigma_m_s, double rate_sigma_rad_s) {
+void MotionFilter::reset_twist(double velocity_sigma_m_s, double rate_sigma_rad_s) {
   velocity_in_world_.setZero();
   rate_in_camera_.setZero();
   interval_s_ = 0;
@@ -47,7 +47,7 @@ void MotionFilter::predict(double dt_s) {
   F.block<3, 3>(0, 6).diagonal().setConstant(dt_s);
   F.block<3, 3>(3, 9) = R * dt_s;
 
-  // white acceleration over dt: [dt^3/3, dt^2/2; dt^2/2, dt] q^2
+  // process noise of white acceleration over dt: [dt^3/3, dt^2/2; dt^2/2, dt] q^2
   Matrix12d Q = Matrix12d::Zero();
   const double dt2 = dt_s * dt_s / 2;
   const double dt3 = dt_s * dt_s * dt_s / 3;
@@ -63,7 +63,7 @@ void MotionFilter::predict(double dt_s) {
   Q.block<3, 3>(9, 9).diagonal().setConstant(qw * dt_s);
 
   const Matrix12d PFt = P_ * F.transpose();
-  previous_with_state_ = PFt.topRows<6>();
+  previous_cross_covariance_ = PFt.topRows<6>();
   P_ = F * PFt + Q;
 }
 
@@ -77,23 +77,23 @@ void MotionFilter::correct(const Eigen::Matrix<double, kRows, 12>& H,
   const Eigen::LDLT<Eigen::Matrix<double, kRows, kRows>> ldlt(S);
   const Gain K = ldlt.solve(PHt.transpose()).transpose();
   const Vector12d correction = K * innovation;
-  // the smoother's gain on the same innovation: cov(pose_{j-1}, z) S^-1
-  const Eigen::Matrix<double, 6, kRows> back_PHt = previous_with_state_ * H.transpose();
-  const Vector6d back = back_PHt * ldlt.solve(innovation);
+  // smoother gain: cov(pose_{j-1}, z) S^-1
+  const Eigen::Matrix<double, 6, kRows> cross_PHt = previous_cross_covariance_ * H.transpose();
+  const Vector6d smoothing = cross_PHt * ldlt.solve(innovation);
 
   pose_.translation += correction.head<3>();
   pose_.rotation = (so3_exp(correction.segment<3>(3)) * pose_.rotation).normalized();
   velocity_in_world_ += correction.segment<3>(6);
   rate_in_camera_ += correction.tail<3>();
-  previous_pose_.translation += back.head<3>();
-  previous_pose_.rotation = (so3_exp(back.tail<3>()) * previous_pose_.rotation).normalized();
+  previous_pose_.translation += smoothing.head<3>();
+  previous_pose_.rotation = (so3_exp(smoothing.tail<3>()) * previous_pose_.rotation).normalized();
 
-  // Joseph form keeps P symmetric and positive
+  // Joseph form keeps P symmetric and positive definite
   const Matrix12d I_KH = Matrix12d::Identity() - K * H;
   const Matrix12d P = I_KH * P_ * I_KH.transpose() + K * covariance * K.transpose();
   P_ = 0.5 * (P + P.transpose());
-  previous_covariance_ -= back_PHt * ldlt.solve(back_PHt.transpose());
-  previous_with_state_ = previous_with_state_ * I_KH.transpose();
+  previous_covariance_ -= cross_PHt * ldlt.solve(cross_PHt.transpose());
+  previous_cross_covariance_ = previous_cross_covariance_ * I_KH.transpose();
 }
 
 void MotionFilter::update(const RigidTransform& measured_pose, const Matrix6d& covariance) {
@@ -130,7 +130,7 @@ void MotionFilter::transform_world(const RigidTransform& change) {
   transform_errors(J);
 }
 
-void MotionFilter::stretch_world(double factor) {
+void MotionFilter::rescale_world(double factor) {
   pose_.translation *= factor;
   previous_pose_.translation *= factor;
   velocity_in_world_ *= factor;
@@ -139,11 +139,11 @@ void MotionFilter::stretch_world(double factor) {
   transform_errors(J);
 }
 
-void MotionFilter::transform_errors(const Matrix12d& by) {
-  const Matrix6d of_pose = by.topLeftCorner<6, 6>();
-  P_ = by * P_ * by.transpose();
-  previous_covariance_ = of_pose * previous_covariance_ * of_pose.transpose();
-  previous_with_state_ = of_pose * previous_with_state_ * by.transpose();
+void MotionFilter::transform_errors(const Matrix12d& J) {
+  const Matrix6d J_pose = J.topLeftCorner<6, 6>();
+  P_ = J * P_ * J.transpose();
+  previous_covariance_ = J_pose * previous_covariance_ * J_pose.transpose();
+  previous_cross_covariance_ = J_pose * previous_cross_covariance_ * J.transpose();
 }
 
 Twist MotionFilter::twist_in_camera() const {
@@ -157,24 +157,27 @@ Matrix6d MotionFilter::twist_covariance() const {
 }
 
 Twist MotionFilter::mean_twist_in_camera() const {
-  if (interval_s_ < kShortest_s) return twist_in_camera();
-  const Eigen::Vector3d turn = so3_log(previous_pose_.rotation.conjugate() * pose_.rotation);
-  const Eigen::Quaterniond half_way = previous_pose_.rotation * so3_exp(0.5 * turn);
-  const Eigen::Vector3d way = pose_.translation - previous_pose_.translation;
-  return {half_way.conjugate() * way / interval_s_, turn / interval_s_};
+  if (interval_s_ < kMinInterval_s) return twist_in_camera();
+  const Eigen::Vector3d rotation_vector =
+      so3_log(previous_pose_.rotation.conjugate() * pose_.rotation);
+  const Eigen::Quaterniond world_from_middle =
+      previous_pose_.rotation * so3_exp(0.5 * rotation_vector);
+  const Eigen::Vector3d displacement = pose_.translation - previous_pose_.translation;
+  return {world_from_middle.conjugate() * displacement / interval_s_,
+          rotation_vector / interval_s_};
 }
 
-Matrix6d MotionFilter::way_covariance() const {
-  const Matrix6d common = previous_with_state_.leftCols<6>();
-  return pose_covariance() + previous_covariance_ - common - common.transpose();
+Matrix6d MotionFilter::relative_pose_covariance() const {
+  const Matrix6d cross = previous_cross_covariance_.leftCols<6>();
+  return pose_covariance() + previous_covariance_ - cross - cross.transpose();
 }
 
 Matrix6d MotionFilter::mean_twist_covariance() const {
-  if (interval_s_ < kShortest_s) return twist_covariance();
+  if (interval_s_ < kMinInterval_s) return twist_covariance();
   Matrix6d J = Matrix6d::Zero();
   J.topLeftCorner<3, 3>() = pose_.rotation.conjugate().toRotationMatrix() / interval_s_;
   J.bottomRightCorner<3, 3>() = J.topLeftCorner<3, 3>();
-  return J * way_covariance() * J.transpose();
+  return J * relative_pose_covariance() * J.transpose();
 }
 
 }  // namespace stillkite

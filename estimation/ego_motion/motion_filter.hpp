@@ -14,56 +14,61 @@ struct MotionFilterConfig {
 
   static void fields(auto& self, auto&& field) {
     field("acceleration_density", self.acceleration_density, Range{1e-9, 1e9},
-          "white acceleration of the drone, m/s^2/sqrt(Hz)");
+          "noise density of the linear acceleration, m/s^2/sqrt(Hz)");
     field("angular_acceleration_density", self.angular_acceleration_density, Range{1e-9, 1e9},
-          "white angular acceleration of the drone, rad/s^2/sqrt(Hz)");
+          "noise density of the angular acceleration, rad/s^2/sqrt(Hz)");
   }
 };
 
-/// Kalman filter of a camera that moves at nearly constant velocity, fed with poses whose errors
-/// are white (an alignment to a keyframe), with their full covariance: speed and angular rate are
-/// confused in an image (correlation near -0.98), so their axes cannot be filtered one by one.
-/// State: pose, velocity in world, angular rate in camera. Errors in that order, pose errors in
-/// world axes; white acceleration drives it (Bar-Shalom et al. 2001, section 6.2).
+/// Constant-velocity Kalman filter of a camera, driven by white acceleration (Bar-Shalom et al.
+/// 2001, section 6.2). Measurements: poses with white errors and full covariance (keyframe
+/// alignment).
+///
+/// State and error order: pose (translation, rotation vector in world), velocity in world, angular
+/// rate in camera. The full covariance is needed: image errors of velocity and angular rate are
+/// correlated at about -0.98.
 class MotionFilter {
  public:
   explicit MotionFilter(const MotionFilterConfig& config);
 
-  /// At rest at `pose`, as far as the standard deviations say.
-  void start(const RigidTransform& pose, double velocity_sigma_m_s, double rate_sigma_rad_s);
+  /// Initial state: `pose` without error, zero twist with the given standard deviations.
+  void initialize(const RigidTransform& pose, double velocity_sigma_m_s, double rate_sigma_rad_s);
 
   void predict(double dt_s);
   void update(const RigidTransform& measured_pose, const Matrix6d& covariance);
-  /// A pose that was measured for an assumed twist and would have been another one for another:
-  /// `pose_by_twist` is its derivative by the twist in the camera.
+  /// Update by a pose measured under an assumed twist (rolling shutter). `pose_by_twist`:
+  /// derivative of the measured pose with respect to the twist in camera.
   void update(const RigidTransform& measured_pose, const Matrix6d& covariance,
               const Twist& assumed_twist, const Matrix6d& pose_by_twist);
 
-  /// By a gyro in the camera's axes.
+  /// Update by a gyro measurement in camera axes.
   void update_rate(const Eigen::Vector3d& measured_rate_rad_s, const Eigen::Matrix3d& covariance);
 
-  /// Poses are told relative to this one from now on: it has no error.
-  void take_as_origin();
+  /// Makes the current pose the origin: its error becomes zero by definition.
+  void set_pose_as_origin();
 
-  /// The camera may be elsewhere by so much.
-  void doubt_place(double sigma_m) { P_.diagonal().head<3>().array() += sigma_m * sigma_m; }
+  /// Adds `sigma_m`^2 to the position variance of each axis.
+  void inflate_position_covariance(double sigma_m) {
+    P_.diagonal().head<3>().array() += sigma_m * sigma_m;
+  }
 
-  /// At rest, as far as the standard deviations say; where, is as uncertain as before.
-  void forget_speed(double velocity_sigma_m_s, double rate_sigma_rad_s);
+  /// Resets the twist to zero with the given standard deviations; keeps the pose covariance.
+  void reset_twist(double velocity_sigma_m_s, double rate_sigma_rad_s);
 
-  /// The world was turned and shifted: new = change * old.
+  /// Transforms the world frame: new = change * old.
   void transform_world(const RigidTransform& change);
 
-  /// Lengths in the world were wrong: positions, from its origin, and velocities grow by `factor`.
-  void stretch_world(double factor);
+  /// Scales positions, about the world origin, and velocities by `factor`.
+  void rescale_world(double factor);
 
   [[nodiscard]] const RigidTransform& pose() const { return pose_; }
-  /// Twist at the last frame, or as predicted.
+  /// Twist at the current time (updated or predicted).
   [[nodiscard]] Twist twist_in_camera() const;
-  /// Covariance of (velocity, rate) in the camera at the last frame.
+  /// Covariance of (velocity, angular rate), both in camera.
   [[nodiscard]] Matrix6d twist_covariance() const;
-  /// Mean twist over the last interval, in the camera half way: the way between its two poses, the
-  /// first one smoothed by the last frame. Where there is no interval, the last frame's twist.
+  /// Mean twist over the last interval, in camera at its middle: displacement between its two
+  /// poses, the first one smoothed by the last measurement. Without an interval:
+  /// `twist_in_camera()`.
   [[nodiscard]] Twist mean_twist_in_camera() const;
   [[nodiscard]] Matrix6d mean_twist_covariance() const;
   [[nodiscard]] Matrix6d pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
@@ -73,14 +78,15 @@ class MotionFilter {
   using Vector12d = Eigen::Matrix<double, 12, 1>;
   using PoseWithState = Eigen::Matrix<double, 6, 12>;
 
-  // Kalman update by an innovation of H times the error.
+  // Kalman update: innovation = H error + noise.
   template <int kRows>
   void correct(const Eigen::Matrix<double, kRows, 12>& H,
                const Eigen::Matrix<double, kRows, 1>& innovation,
                const Eigen::Matrix<double, kRows, kRows>& covariance);
-  void transform_errors(const Matrix12d& by);
-  // of the way from the frame before to the last one, (translation, rotation vector) in world
-  [[nodiscard]] Matrix6d way_covariance() const;
+  // P <- J P J^T.
+  void transform_errors(const Matrix12d& J);
+  // Covariance of the motion over the last interval, (translation, rotation vector) in world.
+  [[nodiscard]] Matrix6d relative_pose_covariance() const;
 
   MotionFilterConfig config_;
   RigidTransform pose_;
@@ -88,11 +94,11 @@ class MotionFilter {
   Eigen::Vector3d rate_in_camera_ = Eigen::Vector3d::Zero();
   Matrix12d P_ = Matrix12d::Zero();
 
-  // the pose of the frame before, smoothed by the last one
+  // pose of the previous frame, fixed-lag smoothed by the last measurement
   RigidTransform previous_pose_;
   Matrix6d previous_covariance_ = Matrix6d::Zero();
-  PoseWithState previous_with_state_ = PoseWithState::Zero();  // its cross covariance
-  double interval_s_ = 0;                                      // 0: no frame before
+  PoseWithState previous_cross_covariance_ = PoseWithState::Zero();  // with the state
+  double interval_s_ = 0;                                            // 0: no previous frame
 };
 
 }  // namespace stillkite

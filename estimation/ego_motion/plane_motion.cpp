@@ -6,10 +6,10 @@ namespace stillkite {
 
 PlaneMotion apply(const PlaneMotion& motion, const PlaneMotionStep& step,
                   const TiltAxes& tilt_axes) {
-  const Eigen::Quaterniond turn = so3_exp(step.segment<3>(3));
+  const Eigen::Quaterniond rotation = so3_exp(step.segment<3>(3));
   const Eigen::Quaterniond tilt = so3_exp(tilt_axes * step.tail<2>());
-  return {.rotation = (turn * motion.rotation).normalized(),
-          .translation = turn * motion.translation + step.head<3>(),
+  return {.rotation = (rotation * motion.rotation).normalized(),
+          .translation = rotation * motion.translation + step.head<3>(),
           .normal = (tilt * motion.normal).normalized()};
 }
 

@@ -8,7 +8,7 @@
 namespace stillkite {
 namespace {
 
-// Scale of each unknown that gives N a unit diagonal; an unknown that N never saw stays unscaled.
+// Scale of each unknown that gives N a unit diagonal; 1 for unknowns without information.
 Vector6d unit_diagonal_scale(const Matrix6d& N) {
   return N.diagonal().unaryExpr([](double d) { return d > 0 ? 1.0 / std::sqrt(d) : 1.0; });
 }

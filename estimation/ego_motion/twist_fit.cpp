@@ -9,14 +9,14 @@
 namespace stillkite {
 namespace {
 
-// Exact flow leaves rounding only; a smaller scale would divide by nothing (px).
+// Lower bound of the scale, px: exact flow leaves rounding errors only.
 constexpr double kMinScale = 1e-9;
-// Steps with the convex kernel before the configured one.
+// Iterations with the convex kernel before the configured one.
 constexpr int kConvexSteps = 3;
 
 TwistEquations scaled(const TwistEquations& sums, double scale) {
-  const double by_variance = 1 / (scale * scale);
-  return {by_variance * sums.N, by_variance * sums.b};
+  const double inverse_variance = 1 / (scale * scale);
+  return {inverse_variance * sums.N, inverse_variance * sums.b};
 }
 
 TwistEquations combine(const TwistFit& fit, const std::optional<TwistPrior>& prior) {
@@ -27,13 +27,13 @@ TwistEquations combine(const TwistFit& fit, const std::optional<TwistPrior>& pri
   return all;
 }
 
-// Independent errors: s^2 E[w^2 d^2 / 2] / E[slope]^2 over the unweighted sums (Huber 1981, 7.6).
+// Independent errors: s^2 E[w^2 d^2 / 2] / E[slope]^2 times N^-1, unweighted (Huber 1981, 7.6).
 Matrix6d covariance_by_residuals(const TwistFit& fit) {
   const double factor = fit.mean_influence * fit.mean_weight / (fit.mean_slope * fit.mean_slope);
   return factor * inverse_of(fit.sums.N);
 }
 
-// Delete-one-cell jackknife; nothing where too few cells carry information.
+// Delete-one-cell jackknife; nullopt if too few cells carry information.
 std::optional<Matrix6d> covariance_by_cells(const TwistFit& fit,
                                             const std::optional<TwistPrior>& prior) {
   Matrix6d spread = Matrix6d::Zero();
@@ -46,7 +46,7 @@ std::optional<Matrix6d> covariance_by_cells(const TwistFit& fit,
   }
   constexpr int kMinCells = 16;
   if (occupied < kMinCells || !spread.allFinite()) return std::nullopt;
-  // a covariance estimated with n degrees of freedom: E[NEES] = 6 needs n / (n - 7) (Hotelling)
+  // n / (n - 7): E[NEES] = 6 for a covariance estimated with n degrees of freedom (Hotelling)
   const double n = occupied - 1;
   const double slope_ratio = fit.mean_weight / fit.mean_slope;
   Matrix6d covariance = n / occupied * n / (n - 7) * slope_ratio * slope_ratio * spread;
@@ -64,14 +64,14 @@ TwistFit TwistFitter::fit(const FlowRows& rows, const std::optional<TwistPrior>&
   squared_distances_.resize(rows.size());
   weights_.assign(rows.size(), 1.0);
   TwistFit fit;
-  if (prior) {  // it is in metres: the scale of the flow's noise is needed at once
+  if (prior) {  // the metric prior needs the flow noise scale in the first iteration
     fit.twist = prior->mean.vector();
-    measure_squared_distances(rows, fit.twist, squared_distances_);
-    fit.scale = scale_of_distances(rows);
+    compute_squared_distances(rows, fit.twist, squared_distances_);
+    fit.scale = estimate_scale(rows);
   }
   for (int iteration = 0; iteration < config_.max_iterations; ++iteration) {
     if (robust && iteration > 0) {
-      weigh(iteration <= kConvexSteps ? RobustKernel::huber : config_.kernel, fit.scale);
+      update_weights(iteration <= kConvexSteps ? RobustKernel::huber : config_.kernel, fit.scale);
     }
     accumulate(rows, prior, fit);
     if (iteration == 0) {
@@ -79,41 +79,41 @@ TwistFit TwistFitter::fit(const FlowRows& rows, const std::optional<TwistPrior>&
       if (!(fit.conditioning.condition <= config_.max_condition)) break;
     }
     const Vector6d step = solve(fit.sums) - fit.twist;
-    const double step_squared = step.dot(fit.sums.N * step);  // in standard deviations
+    const double step_squared = step.dot(fit.sums.N * step);  // squared Mahalanobis length
     fit.twist += step;
-    measure_squared_distances(rows, fit.twist, squared_distances_);
-    fit.scale = scale_of_distances(rows);
+    compute_squared_distances(rows, fit.twist, squared_distances_);
+    fit.scale = estimate_scale(rows);
     if (!robust && !prior) break;
     constexpr double kConverged = 1e-4;
     if (iteration > kConvexSteps && step_squared < kConverged) break;
   }
-  measure_weights(rows, fit);
+  average_weights(rows, fit);
   fit.sums = combine(fit, prior);
   fit.conditioning = conditioning_of(fit.sums.N);
   return fit;
 }
 
-double TwistFitter::scale_of_distances(const FlowRows& rows) {
-  // a few thousand rows give the median to a percent
-  constexpr std::size_t kEnough = 2048;
+double TwistFitter::estimate_scale(const FlowRows& rows) {
+  // accuracy of the median: about 1 %
+  constexpr std::size_t kMedianSampleSize = 2048;
   const bool robust = config_.weighting == Weighting::robust;
-  const std::size_t stride = robust ? rows.size() / kEnough + 1 : 1;
+  const std::size_t stride = robust ? rows.size() / kMedianSampleSize + 1 : 1;
   sample_.clear();
   for (std::size_t i = 0; i < rows.size(); i += stride) {
-    if (rows.best_known[i] > 0) sample_.push_back(squared_distances_[i]);
+    if (rows.max_information[i] > 0) sample_.push_back(squared_distances_[i]);
   }
   if (sample_.empty()) return 1;
   const auto n = static_cast<double>(sample_.size());
-  const double free_share = std::max(0.5, 1 - 3 / n);  // six of 2 n components are fitted
+  const double dof_ratio = std::max(0.5, 1 - 3 / n);  // six of 2 n degrees of freedom are fitted
   const double squared = robust ? upper_median(sample_) / (kRayleighMedian * kRayleighMedian)
                                 : 0.5 * std::accumulate(sample_.begin(), sample_.end(), 0.0) / n;
-  return std::max(std::sqrt(squared / free_share), kMinScale);
+  return std::max(std::sqrt(squared / dof_ratio), kMinScale);
 }
 
-void TwistFitter::weigh(RobustKernel kernel, double scale) {
-  const double by_variance = 1 / (scale * scale);
+void TwistFitter::update_weights(RobustKernel kernel, double scale) {
+  const double inverse_variance = 1 / (scale * scale);
   for (std::size_t i = 0; i < weights_.size(); ++i) {
-    weights_[i] = robust_weight(kernel, by_variance * squared_distances_[i]).weight;
+    weights_[i] = robust_weight(kernel, inverse_variance * squared_distances_[i]).weight;
   }
 }
 
@@ -126,14 +126,14 @@ void TwistFitter::accumulate(const FlowRows& rows, const std::optional<TwistPrio
   fit.sums = combine(fit, prior);
 }
 
-void TwistFitter::measure_weights(const FlowRows& rows, TwistFit& fit) const {
-  const double by_variance = 1 / (fit.scale * fit.scale);
+void TwistFitter::average_weights(const FlowRows& rows, TwistFit& fit) const {
+  const double inverse_variance = 1 / (fit.scale * fit.scale);
   int n = 0;
   RobustWeight sum{0, 0};
   double influence = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows.best_known[i] == 0) continue;
-    const double d2 = by_variance * squared_distances_[i];
+    if (rows.max_information[i] == 0) continue;
+    const double d2 = inverse_variance * squared_distances_[i];
     const RobustWeight w = config_.weighting == Weighting::robust
                                ? robust_weight(config_.kernel, d2)
                                : RobustWeight{1, 1};
@@ -144,7 +144,8 @@ void TwistFitter::measure_weights(const FlowRows& rows, TwistFit& fit) const {
   }
   fit.mean_weight = sum.weight / n;
   fit.mean_influence = influence / n;
-  // a slope near zero would mean that most rows are outliers: the verdict says so, not a division
+  // bound against division by zero: a slope near zero means mostly outliers, rejected by the
+  // verdict
   fit.mean_slope = std::max(sum.slope / n, 0.1 * fit.mean_weight);
 }
 

@@ -178,7 +178,7 @@ class FusionFilter {
   void change_unit(double ratio);
   [[nodiscard]] Eigen::VectorXd ways() const;
   void add_scale_error(const Eigen::VectorXd& times);
-  [[nodiscard]] Eigen::Matrix3d way_covariance() const;
+  [[nodiscard]] Eigen::Matrix3d displacement_covariance() const;
   [[nodiscard]] PoseRows pose_rows() const;
   // 2. Which landmarks there are.
   [[nodiscard]] int most_landmarks() const { return config_.landmarks * 3 / 2; }
@@ -192,7 +192,7 @@ class FusionFilter {
   void blame_strays(const std::vector<LandmarkView>& views);
   [[nodiscard]] bool is_within_gate(const LandmarkView& view) const;
   void doubt_gyro(int sign);
-  void doubt_place(int sign);
+  void inflate_position_covariance(int sign);
   bool correct_by(std::vector<LandmarkView>& views);
   [[nodiscard]] std::optional<JointCorrection> agreeing(std::vector<LandmarkView>& views) const;
   void count_refusals(const std::vector<LandmarkView>& all,

@@ -59,7 +59,7 @@ bool FusionFilter::update_keyframe_view(const KeyframeView& view, double correla
   if (!(h > 0)) return false;
   const KeyframeTilt tilt = keyframe_tilt(state_, view);
   PlaneMotionStep to_normal;
-  to_normal << view.windows.motion_by_tilt * tilt.tilt_rad, tilt.tilt_rad;
+  to_normal << view.likelihood.motion_by_tilt * tilt.tilt_rad, tilt.tilt_rad;
   const PlaneMotion seen = apply(view.motion, to_normal, view.tilt_axes);
   const Eigen::Matrix3d R_t = camera.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d d = (keyframe.translation - camera.translation) / h;
@@ -67,7 +67,7 @@ bool FusionFilter::update_keyframe_view(const KeyframeView& view, double correla
   const Eigen::Quaterniond Q = camera.rotation.conjugate() * keyframe.rotation;
   const Eigen::Quaterniond turn = seen.rotation * Q.conjugate();
   Innovation<6> innovation{
-      .residual = {}, .H = {}, .noise = correlated_frames * view.windows.covariance};
+      .residual = {}, .H = {}, .noise = correlated_frames * view.likelihood.covariance};
   innovation.residual << seen.translation - turn * t, so3_log(turn);
   innovation.noise.topLeftCorner<3, 3>().diagonal().array() +=
       square(config_.keyframe_view_sigma_ratio) * t.squaredNorm();
@@ -83,8 +83,8 @@ bool FusionFilter::update_keyframe_view(const KeyframeView& view, double correla
   const Eigen::Vector3d way = keyframe.translation - start_in_world_;
   Eigen::Matrix<double, 6, 2> by_tilt;
   by_tilt << -t / h * Eigen::RowVector2d(-way.y(), way.x()), Eigen::Matrix<double, 3, 2>::Zero();
-  by_keyframe_rotation -= view.windows.motion_by_tilt * tilt.by_keyframe_rotation;
-  by_tilt -= view.windows.motion_by_tilt * tilt.by_tilt;
+  by_keyframe_rotation -= view.likelihood.motion_by_tilt * tilt.by_keyframe_rotation;
+  by_tilt -= view.likelihood.motion_by_tilt * tilt.by_tilt;
   innovation.H.add(Index::kRotation, by_rotation);
   innovation.H.add(Index::kPosition, by_position);
   innovation.H.add(Index::kKeyframeRotation, by_keyframe_rotation);
@@ -100,7 +100,7 @@ bool FusionFilter::update_keyframe_view(const KeyframeView& view, double correla
 // alone.
 void FusionFilter::update_keyframe_tilt(const KeyframeView& view, double correlated_frames) {
   using Row = Eigen::Matrix<double, 1, 1>;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> W(view.windows.tilt_information);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> W(view.likelihood.tilt_information);
   for (int k = 0; k < 2; ++k) {
     const double information = W.eigenvalues()[k];
     const double variance = correlated_frames / information;
@@ -108,7 +108,8 @@ void FusionFilter::update_keyframe_tilt(const KeyframeView& view, double correla
     const KeyframeTilt tilt = keyframe_tilt(state_, view);
     const Eigen::RowVector2d along = W.eigenvectors().col(k).transpose();
     Innovation<1> innovation{
-        .residual = Row(along * (view.windows.tilt_information_rad / information - tilt.tilt_rad)),
+        .residual =
+            Row(along * (view.likelihood.tilt_information_rad / information - tilt.tilt_rad)),
         .H = {},
         .noise = Row(variance)};
     innovation.H.add(Index::kKeyframeRotation, along * tilt.by_keyframe_rotation);

@@ -117,7 +117,8 @@ bool FusionFilter::correct_by(std::vector<LandmarkView>& views) {
   };
   if (are_few(views) && static_cast<int>(all.size()) >= config_.min_landmarks) {
     const bool is_gyro = gyro_s_ > 0 && is_explained_by([this](int sign) { doubt_gyro(sign); });
-    has_leapt_ = !is_gyro && is_explained_by([this](int sign) { doubt_place(sign); });
+    has_leapt_ =
+        !is_gyro && is_explained_by([this](int sign) { inflate_position_covariance(sign); });
   }
   count_refusals(all, agreed);
   if (!correction) return false;
@@ -191,7 +192,7 @@ void FusionFilter::doubt_gyro(int sign) {
 
 // What it leaps by tells nothing of its speed, which is in doubt as well where no accelerometer
 // tells it.
-void FusionFilter::doubt_place(int sign) {
+void FusionFilter::inflate_position_covariance(int sign) {
   constexpr double kAnySpeed_heights_s = 2;
   const double speed = kAnySpeed_heights_s * height(state_.world_from_camera.translation);
   const double variance = sign * square(speed);

@@ -52,7 +52,7 @@ void FusionFilter::age_windows(std::span<const FeatureView> seen) {
 }
 
 // Since the anchor, map units, world axes.
-Eigen::Matrix3d FusionFilter::way_covariance() const {
+Eigen::Matrix3d FusionFilter::displacement_covariance() const {
   constexpr int p = Index::kPosition;
   constexpr int a = Index::kAnchorPosition;
   return P_.block<3, 3>(p, p) + P_.block<3, 3>(a, a) - P_.block<3, 3>(p, a) - P_.block<3, 3>(a, p);
@@ -62,7 +62,7 @@ Eigen::Matrix3d FusionFilter::way_covariance() const {
 // knows nothing; it is no noise of a frame but as lasting as they are. Of the depths that a start
 // as a whole has told nothing is left to be linearised wrongly.
 std::vector<LandmarkView> FusionFilter::landmark_views(std::span<const FeatureView> seen) const {
-  const Eigen::Matrix3d lasting_way = config_.depth_correlated_frames * way_covariance();
+  const Eigen::Matrix3d lasting_way = config_.depth_correlated_frames * displacement_covariance();
   std::vector<LandmarkView> views;
   views.reserve(landmarks_.size());
   for (const FeatureView& view : seen) {

@@ -21,9 +21,9 @@ struct LandmarkFilterConfig {
   int most_landmarks = 200;
 
   static void fields(auto& self, auto&& field) {
-    field("velocity_bias_sigma_m_s", self.velocity_bias_sigma_m_s, kNotNegative,
+    field("velocity_bias_sigma_m_s", self.velocity_bias_sigma_m_s, kNonNegative,
           "dead reckoning's slow error, 1 sigma an axis of the camera");
-    field("rate_bias_sigma_rad_s", self.rate_bias_sigma_rad_s, kNotNegative,
+    field("rate_bias_sigma_rad_s", self.rate_bias_sigma_rad_s, kNonNegative,
           "the same of its angular rate");
     field("bias_correlation_s", self.bias_correlation_s, kPositive, "time for both to change");
     field("gate_sigma", self.gate_sigma, kPositive, "a sighting further off is refused");

@@ -102,11 +102,11 @@ std::optional<LandmarkFromCamera> landmark_from_camera(const FusionState& state,
 }
 
 Eigen::Matrix2d product_covariance(const FusionState& state, const Landmark& landmark,
-                                   const Eigen::Matrix3d& way_covariance,
+                                   const Eigen::Matrix3d& displacement_covariance,
                                    double inverse_depth_variance) {
   const SightLine line = sight_line(state, landmark);
   const Eigen::Matrix<double, 2, 3> J = view_by_direction(state, line);
-  return inverse_depth_variance * J * way_covariance * J.transpose();
+  return inverse_depth_variance * J * displacement_covariance * J.transpose();
 }
 
 }  // namespace stillkite

@@ -52,7 +52,7 @@ struct LandmarkFromCamera {
 /// Covariance, on z = 1, of what the linear update leaves out of a view: the product of the errors
 /// of the way p_a - p (map units, world axes) and of the inverse depth.
 [[nodiscard]] Eigen::Matrix2d product_covariance(const FusionState& state, const Landmark& landmark,
-                                                 const Eigen::Matrix3d& way_covariance,
+                                                 const Eigen::Matrix3d& displacement_covariance,
                                                  double inverse_depth_variance);
 
 }  // namespace stillkite

@@ -9,14 +9,14 @@ namespace stillkite {
 PlaneMotion motion_between(const RigidTransform& world_from_keyframe,
                            const RigidTransform& world_from_camera) {
   const RigidTransform camera_from_keyframe = world_from_camera.inverse() * world_from_keyframe;
-  const GroundPlane ground = ground_seen_from(world_from_keyframe);
+  const GroundPlane ground = ground_plane_in_camera(world_from_keyframe);
   return {.rotation = camera_from_keyframe.rotation,
           .translation = camera_from_keyframe.translation / ground.height_m,
           .normal = ground.normal_in_camera};
 }
 
 TiltPrior tilt_prior(const PoseEstimate& keyframe, const LevellingConfig& config) {
-  // world x and y in the camera; a turn of the normal by +a there is an attitude error of -a
+  // world x and y in camera: a rotation of the normal by +a is an attitude error of -a
   TiltPrior prior;
   prior.axes = keyframe.world_from_camera.rotation.conjugate().toRotationMatrix().leftCols<2>();
   if (config.enabled) {
@@ -33,10 +33,10 @@ ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
   using Matrix62 = Eigen::Matrix<double, 6, 2>;
   const Matrix6d relative = alignment.covariance.topLeftCorner<6, 6>();
   const Eigen::Matrix2d tilt = alignment.covariance.bottomRightCorner<2, 2>();
-  const Eigen::Matrix<double, 2, 6> tilt_with_relative =
+  const Eigen::Matrix<double, 2, 6> tilt_motion_cross =
       alignment.covariance.bottomLeftCorner<2, 6>();
 
-  // 1. regress the keyframe's error on the turn of the normal that was seen
+  // 1. correct the keyframe pose by the estimated tilt (Kalman gain K = cross S^-1)
   ChainedPose out;
   out.keyframe = keyframe;
   Matrix62 K = Matrix62::Zero();
@@ -51,14 +51,14 @@ ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
     out.keyframe.covariance -= K * (*prior.covariance - tilt) * K.transpose();
   }
 
-  // 2. the camera's pose on the levelled keyframe, which sets the scale by its height
+  // 2. camera pose relative to the corrected keyframe, whose height is the scale
   const double height_m = out.keyframe.world_from_camera.translation.z();
   const RigidTransform camera_from_keyframe{alignment.motion.rotation,
                                             height_m * alignment.motion.translation};
   out.keyframe_from_camera = camera_from_keyframe.inverse();
   out.camera.world_from_camera = out.keyframe.world_from_camera * out.keyframe_from_camera;
 
-  // 3. first-order errors: of the keyframe (its height is the scale), then of the alignment
+  // 3. first-order error propagation: keyframe (height is the scale), then alignment
   const Eigen::Matrix3d R = out.camera.world_from_camera.rotation.toRotationMatrix();
   const Eigen::Vector3d d =
       out.camera.world_from_camera.translation - out.keyframe.world_from_camera.translation;
@@ -72,11 +72,11 @@ ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
   out.camera_by_twist = by_alignment * alignment.motion_by_twist;
   out.camera_by_twist.leftCols<3>() /= height_m;
   out.relative_covariance = by_alignment * relative * by_alignment.transpose();
-  const Matrix6d mixed = by_keyframe * (K * tilt_with_relative) * by_alignment.transpose();
+  const Matrix6d cross_term = by_keyframe * (K * tilt_motion_cross) * by_alignment.transpose();
   const Matrix6d sum = by_keyframe * out.keyframe.covariance * by_keyframe.transpose() +
                        out.relative_covariance +
                        by_alignment * alignment.smooth_covariance * by_alignment.transpose() +
-                       mixed + mixed.transpose();
+                       cross_term + cross_term.transpose();
   out.camera.covariance = 0.5 * (sum + sum.transpose());
   return out;
 }

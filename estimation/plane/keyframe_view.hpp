@@ -5,11 +5,11 @@
 
 namespace stillkite {
 
-/// The camera over the ground as the flow sees it from its keyframe, before any filter.
+/// Unfiltered plane-alignment measurement of the camera relative to its keyframe.
 struct KeyframeView {
-  PlaneMotion motion;  ///< lengths in heights of the keyframe
+  PlaneMotion motion;  ///< keyframe to current; unit of length: height of the keyframe
   TiltAxes tilt_axes = TiltAxes::Identity();
-  WindowsAlone windows;
+  PlaneLikelihood likelihood;  ///< without the tilt prior
 };
 
 }  // namespace stillkite

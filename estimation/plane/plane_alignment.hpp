@@ -15,6 +15,7 @@
 
 namespace stillkite {
 
+/// Pyramid, tile size and solver of the alignment.
 struct PlaneAlignmentConfig {
   int levels = 4;
   int tile_columns = 16;
@@ -23,64 +24,67 @@ struct PlaneAlignmentConfig {
   PlaneSolverConfig solver;
 
   static void fields(auto& self, auto&& field) {
-    field("levels", self.levels, Range{1, 8}, "pyramid levels, the frame itself included");
-    field("tile_columns", self.tile_columns, Range{16, 32}, "width of a window: 16 or 32 px");
-    field("tile_rows", self.tile_rows, Range{8, TileGrid::kMostRows}, "height of a window");
+    field("levels", self.levels, Range{1, 8}, "pyramid levels, including the full resolution");
+    field("tile_columns", self.tile_columns, Range{16, 32}, "tile width: 16 or 32 px");
+    field("tile_rows", self.tile_rows, Range{8, TileGrid::kMaxRows}, "tile height, px");
     field("exact_warp", self.exact_warp,
-          "warp every pixel exactly where a window deforms much, instead of to first order");
-    field("solver", self.solver, "least squares of the windows");
+          "exact warp of every pixel in strongly deformed tiles, instead of first order");
+    field("solver", self.solver, "least squares over the tiles");
   }
 };
 
-/// A camera that exposes its rows one after the other; a frame's stamp and pose are its middle
-/// row's. The twists are the camera's at the two frames, velocities in heights of the reference.
+/// Rolling shutter; stamp and pose of a frame are those of its middle row. Twists: of the camera at
+/// the two frames, in camera, velocities in heights/s of the reference.
 struct RollingShutter {
-  double readout_s = 0;  ///< from the first row to the last; 0 is a global shutter
+  double readout_s = 0;  ///< first to last row; 0: global shutter
   Vector6d reference_twist = Vector6d::Zero();
   Vector6d current_twist = Vector6d::Zero();
 };
 
-/// The motion that explains the images, and what it is worth.
+/// Result of an alignment: motion, covariance and quality figures.
 struct PlaneAlignment {
-  PlaneMotion motion;                                        ///< with the corrected normal
+  PlaneMotion motion;                                        ///< normal corrected
   PlaneMotionMatrix covariance = PlaneMotionMatrix::Zero();  ///< cluster-robust; dt in heights
-  Matrix6d smooth_covariance = Matrix6d::Zero();  ///< by smooth errors of the flow; dt in heights
-  Eigen::Vector2d tilt_rad = Eigen::Vector2d::Zero();  ///< the normal's turn from its prior
-  WindowsAlone windows_alone;                          ///< without that prior; dt in heights
-  RollingShutter shutter;                              ///< for which it was found
-  Matrix6d motion_by_twist = Matrix6d::Zero();         ///< by a rolling shutter
+  Matrix6d smooth_covariance =
+      Matrix6d::Zero();  ///< from spatially smooth flow errors; dt in heights
+  Eigen::Vector2d tilt_rad =
+      Eigen::Vector2d::Zero();                  ///< rotation of the normal from its prior mean
+  PlaneLikelihood plane_likelihood;             ///< without the tilt prior; dt in heights
+  RollingShutter shutter;                       ///< of this alignment
+  Matrix6d motion_by_twist = Matrix6d::Zero();  ///< d(motion)/d(current twist), rolling shutter
 
-  bool solvable = false;      ///< false: too little was seen, the motion is the guess
-  int windows = 0;            ///< with texture, on both images
-  double inlier_ratio = 0;    ///< mean weight they kept
-  double residual_px = 0;     ///< robust standard deviation of a window's flow after the step
-  double deviation_px = 0;    ///< of it, what noise does not explain: seen on the second level
-  double mean_flow_px = 0;    ///< at the finest level
-  double correlation = 0;     ///< of the aligned images, -1..1
-  double condition = 0;       ///< of the scaled 6x6 information of motion
-  double ground_ratio = 0;    ///< share of the windows below the horizon
-  double last_update_px = 0;  ///< rms change of the windows' places in the last step
-  double gain = 1;            ///< brightness of current over reference
+  bool solvable = false;      ///< false: too few textured tiles, motion is the initial value
+  int tiles = 0;              ///< textured tiles visible in both images
+  double inlier_ratio = 0;    ///< mean robust weight of these tiles
+  double residual_px = 0;     ///< robust standard deviation of a tile's flow after the step
+  double deviation_px = 0;    ///< part of it in excess of pixel noise, from the second level
+  double mean_flow_px = 0;    ///< finest level
+  double correlation = 0;     ///< normalized cross-correlation of the aligned images, -1..1
+  double condition = 0;       ///< condition number of the scaled 6x6 motion information
+  double ground_ratio = 0;    ///< ratio of tiles below the horizon
+  double last_update_px = 0;  ///< RMS tile displacement of the last step
+  double gain = 1;            ///< contrast of current over reference
 };
 
-/// Direct alignment of two frames of a plane: Lucas-Kanade windows in information form, placed by
-/// the current motion, and Gauss-Newton on SE(3) and the plane's normal, coarse to fine
-/// (docs/flow_navigator.md; Baker and Matthews 2004, "Lucas-Kanade 20 years on").
+/// Direct image alignment over a plane: Lucas-Kanade tiles in information form, Gauss-Newton on
+/// SE(3) and the plane normal, coarse to fine (docs/plane_odometry.md; Baker and Matthews 2004,
+/// "Lucas-Kanade 20 years on").
 class PlaneAligner {
  public:
   PlaneAligner(const Camera& camera, const PlaneAlignmentConfig& config);
 
-  /// What is aligned to from now on; the caller is left with the pyramid before, for its buffers.
+  /// Sets the reference; swaps `pyramid` with the previous reference to reuse its buffers.
   void set_reference(Pyramid& pyramid);
   [[nodiscard]] const Pyramid& reference() const { return reference_; }
 
-  /// What neither image shows the world in from now on; none: nothing.
+  /// Sets the mask of static overlays in both images; nullptr: none.
   void set_mask(const std::shared_ptr<const ImageMask>& mask);
 
-  [[nodiscard]] PlaneAlignment align(const Pyramid& current, const PlaneMotion& guess,
+  /// Aligns `current` to the reference from the motion `initial` with the normal prior `tilt`.
+  [[nodiscard]] PlaneAlignment align(const Pyramid& current, const PlaneMotion& initial,
                                      const TiltPrior& tilt, const RollingShutter& shutter = {});
 
-  /// The windows of the finest level after the last alignment, for images and tests.
+  /// Tiles of the finest level after the last alignment (overlay, tests).
   [[nodiscard]] const TileGrid& grid() const { return levels_.front().grid; }
   [[nodiscard]] const TilePlacement& placement() const { return placement_; }
   [[nodiscard]] const std::vector<float>& weights() const { return solver_.weights(); }
@@ -90,17 +94,17 @@ class PlaneAligner {
     Camera camera;
     TileGrid grid;
     TileRays rays;
-    std::vector<int> cluster;           ///< of each tile
-    std::vector<unsigned char> hidden;  ///< 1 where the mask hides a tile
-    TileTextures textures;              ///< of the reference
+    std::vector<int> cluster;           ///< per tile
+    std::vector<unsigned char> masked;  ///< per tile of the reference: 1 if masked
+    TileTextures textures;              ///< reference image
   };
 
   [[nodiscard]] PlaneObservations observations(const Level& level) const;
   [[nodiscard]] const TileRays& rays_at_stamp(const Level& level, const Eigen::Vector3d& normal,
                                               const RollingShutter& shutter);
-  [[nodiscard]] const TileTimes& times_of_rows(const Camera& camera, const RollingShutter& shutter);
-  [[nodiscard]] bool is_hidden(const TileGrid& grid, int level, float x_px, float y_px) const;
-  void leave_out_hidden(int level);
+  [[nodiscard]] const TileTimes& row_times(const Camera& camera, const RollingShutter& shutter);
+  [[nodiscard]] bool is_masked(const TileGrid& grid, int level, float x_px, float y_px) const;
+  void reject_masked(int level);
   [[nodiscard]] float deformation_px(const TileGrid& grid) const;
   [[nodiscard]] double update_px(const Level& level, const PlaneMotionStep& step) const;
   void match_brightness(PlaneAlignment& out, bool adapt) const;
@@ -114,8 +118,8 @@ class PlaneAligner {
   TileFlow tile_flow_;
   PlaneSolver solver_;
   const TileMeasurements* measurements_ = nullptr;
-  TileRays rays_;    ///< of a rolling shutter, at the keyframe's stamp
-  TileTimes times_;  ///< of a rolling shutter, in the current frame
+  TileRays rays_;    ///< rolling shutter: reference bearings at its stamp
+  TileTimes times_;  ///< rolling shutter: exposure delays in the current frame
   TilePlacement placement_;
   TileJacobian jacobian_;
 };

@@ -15,7 +15,7 @@
 #define STILLKITE_PLANE_TILES_SHARED
 namespace stillkite {
 
-/// The motion and the lens as the float kernels want them.
+/// Motion and lens parameters of the float kernels.
 struct PlaneTilesInput {
   std::array<float, 9> rotation;
   std::array<float, 3> translation, normal;
@@ -23,9 +23,9 @@ struct PlaneTilesInput {
   float focal_x, focal_y, centre_x, centre_y;
   DistortionModel distortion;
   std::array<float, 8> coefficients;
-  std::array<float, 6> twist;  // of the camera, heights and radians a second
-  const float* later_s;        // of each tile after the frame's stamp, or nullptr
-  float largest_radius2;       // of a point of z = 1 that the lens model is trusted with
+  std::array<float, 6> twist;  // heights/s and rad/s, in camera
+  const float* row_delay_s;    // per tile; nullptr: global shutter
+  float max_radius2;           // validity limit of the lens model, on z = 1
 };
 
 }  // namespace stillkite
@@ -43,7 +43,7 @@ struct LensPoint {
   V x, y, xx, xy, yx, yy;
 };
 
-// geometry/camera.cpp's `distort`, many at a time.
+// Vectorised `distort` (geometry/camera.cpp).
 LensPoint lens(const PlaneTilesInput& in, V x, V y) {
   const D d;
   const auto set = [&](float f) { return hn::Set(d, f); };
@@ -82,11 +82,11 @@ LensPoint lens(const PlaneTilesInput& in, V x, V y) {
     return hn::MulAdd(r2, hn::MulAdd(r2, set(e), set(b)), set(a));
   };
   const V one = set(1.0F);
-  const V below = hn::MulAdd(r2, cubic(c[5], c[6], c[7]), one);
-  const V radial = hn::Div(hn::MulAdd(r2, cubic(c[0], c[1], c[4]), one), below);
-  const V d_above = cubic(c[0], 2 * c[1], 3 * c[4]);
-  const V d_below = cubic(c[5], 2 * c[6], 3 * c[7]);
-  const V d_radial = hn::Div(hn::NegMulAdd(radial, d_below, d_above), below);
+  const V denominator = hn::MulAdd(r2, cubic(c[5], c[6], c[7]), one);
+  const V radial = hn::Div(hn::MulAdd(r2, cubic(c[0], c[1], c[4]), one), denominator);
+  const V d_numerator = cubic(c[0], 2 * c[1], 3 * c[4]);
+  const V d_denominator = cubic(c[5], 2 * c[6], 3 * c[7]);
+  const V d_radial = hn::Div(hn::NegMulAdd(radial, d_denominator, d_numerator), denominator);
   const V p1 = set(2 * c[2]), p2 = set(2 * c[3]);
   const V x2 = hn::Mul(x, x), y2 = hn::Mul(y, y), xy = hn::Mul(x, y);
   const V half = set(0.5F), two = set(2.0F), three = set(3.0F);
@@ -122,9 +122,9 @@ void place_kernel(const PlaneTilesInput& in, const TileRays& rays, TilePlacement
     V qx = hn::MulAdd(r00, x, hn::MulAdd(r01, y, hn::MulAdd(tx, rho, r02)));
     V qy = hn::MulAdd(r10, x, hn::MulAdd(r11, y, hn::MulAdd(ty, rho, r12)));
     V qz = hn::MulAdd(r20, x, hn::MulAdd(r21, y, hn::MulAdd(tz, rho, r22)));
-    if (in.later_s != nullptr) {
-      // the camera goes on until the tile's row is exposed: b' - t (v rho + w x b')
-      const V t = hn::LoadU(d, in.later_s + i);
+    if (in.row_delay_s != nullptr) {
+      // camera motion until the row is exposed: b' - t (v rho + w x b')
+      const V t = hn::LoadU(d, in.row_delay_s + i);
       const V wx = set(in.twist[3]), wy = set(in.twist[4]), wz = set(in.twist[5]);
       const V dx = hn::MulAdd(set(in.twist[0]), rho, hn::MulSub(wy, qz, hn::Mul(wz, qy)));
       const V dy = hn::MulAdd(set(in.twist[1]), rho, hn::MulSub(wz, qx, hn::Mul(wx, qz)));
@@ -139,11 +139,11 @@ void place_kernel(const PlaneTilesInput& in, const TileRays& rays, TilePlacement
     const V mx = hn::Mul(qx, iz);
     const V my = hn::Mul(qy, iz);
     const V radius2 = hn::MulAdd(mx, mx, hn::Mul(my, my));
-    const auto seen = hn::And(in_front, hn::Lt(radius2, set(in.largest_radius2)));
+    const auto visible = hn::And(in_front, hn::Lt(radius2, set(in.max_radius2)));
     const LensPoint p = lens(in, mx, my);
-    const V nowhere = set(TilePlacement::kNowhere_px);
-    hn::StoreU(hn::IfThenElse(seen, p.x, nowhere), d, &out.x_px[i]);
-    hn::StoreU(hn::IfThenElse(seen, p.y, nowhere), d, &out.y_px[i]);
+    const V outside = set(TilePlacement::kOutside_px);
+    hn::StoreU(hn::IfThenElse(visible, p.x, outside), d, &out.x_px[i]);
+    hn::StoreU(hn::IfThenElse(visible, p.y, outside), d, &out.y_px[i]);
 
     // d pixel / d q
     const V px0 = hn::Mul(p.xx, iz), px1 = hn::Mul(p.xy, iz);
@@ -152,8 +152,8 @@ void place_kernel(const PlaneTilesInput& in, const TileRays& rays, TilePlacement
     const V py2 = hn::Neg(hn::MulAdd(py0, mx, hn::Mul(py1, my)));
     const auto write = [&](int parameter, V jx, V jy) {
       float* row = jacobian.rows.data() + 2 * static_cast<std::size_t>(parameter) * n + i;
-      hn::StoreU(hn::IfThenElseZero(seen, jx), d, row);
-      hn::StoreU(hn::IfThenElseZero(seen, jy), d, row + n);
+      hn::StoreU(hn::IfThenElseZero(visible, jx), d, row);
+      hn::StoreU(hn::IfThenElseZero(visible, jy), d, row + n);
     };
     write(0, hn::Mul(rho, px0), hn::Mul(rho, py0));
     write(1, hn::Mul(rho, px1), hn::Mul(rho, py1));
@@ -250,10 +250,10 @@ void residual_kernel(const TileJacobian& jacobian, const TileMeasurements& m,
     const V ey = hn::NegMulAdd(gxy, ux, hn::NegMulAdd(gyy, uy, hn::LoadU(d, &m.gy[i])));
     const V hxx = hn::Add(gxx, f), hyy = hn::Add(gyy, f);
     const V determinant = hn::NegMulAdd(gxy, gxy, hn::Mul(hxx, hyy));
-    const V top = hn::MulAdd(
+    const V numerator = hn::MulAdd(
         hyy, hn::Mul(ex, ex),
         hn::MulSub(hxx, hn::Mul(ey, ey), hn::Mul(hn::Set(d, 2.0F), hn::Mul(gxy, hn::Mul(ex, ey)))));
-    hn::StoreU(hn::Div(top, determinant), d, &chi2[i]);
+    hn::StoreU(hn::Div(numerator, determinant), d, &chi2[i]);
   }
 }
 
@@ -270,7 +270,7 @@ PlaneTilesInput input_of(const Camera& camera, const TileRays& rays, const Plane
   PlaneTilesInput in{};
   if (times != nullptr) {
     for (int i = 0; i < 6; ++i) in.twist[i] = static_cast<float>(times->twist[i]);
-    in.later_s = times->later_s.data();
+    in.row_delay_s = times->row_delay_s.data();
   }
   const Eigen::Matrix3d R = motion.rotation.toRotationMatrix();
   for (int i = 0; i < 9; ++i) in.rotation[i] = static_cast<float>(R(i / 3, i % 3));
@@ -288,13 +288,13 @@ PlaneTilesInput input_of(const Camera& camera, const TileRays& rays, const Plane
   in.centre_y = static_cast<float>(camera.centre_y_px);
   in.distortion = camera.distortion;
   for (int i = 0; i < 8; ++i) in.coefficients[i] = static_cast<float>(camera.coefficients[i]);
-  float largest = 0;
+  float tile_radius2 = 0;
   for (std::size_t i = 0; i < rays.x.size(); ++i) {
     if (rays.usable[i] > 0) {
-      largest = std::max(largest, rays.x[i] * rays.x[i] + rays.y[i] * rays.y[i]);
+      tile_radius2 = std::max(tile_radius2, rays.x[i] * rays.x[i] + rays.y[i] * rays.y[i]);
     }
   }
-  in.largest_radius2 = 1.1F * largest;
+  in.max_radius2 = 1.1F * tile_radius2;
   return in;
 }
 

@@ -8,18 +8,19 @@
 
 namespace stillkite {
 
-/// Bearings of the tiles of one pyramid level: (x, y, 1) of a tile's centre and
-/// d(bearing)/d(pixel) there. `usable` is 0 where the lens cannot be inverted, else 1.
+/// Bearings (x, y, 1) of the tile centres of one pyramid level, and d(bearing)/d(pixel). `usable`:
+/// 1, or 0 if the lens model is not invertible there.
 struct TileRays {
   std::vector<float> x, y;
   std::vector<float> dxx, dxy, dyx, dyy;
   std::vector<float> usable;
 };
 
+/// Bearings of the tiles of `grid`.
 [[nodiscard]] TileRays make_tile_rays(const Camera& camera, const TileGrid& grid);
 
-/// d(pixel in the current image)/d(PlaneMotionStep) of every tile: row `2 k` is x, `2 k + 1` is y
-/// of parameter k, each `count` long.
+/// d(pixel in the current image)/d(PlaneMotionStep) of every tile. Row `2 k`: x, row `2 k + 1`: y
+/// of parameter k; each row has `count` values.
 struct TileJacobian {
   static constexpr int kParameters = 8;
   int count = 0;
@@ -29,31 +30,32 @@ struct TileJacobian {
   [[nodiscard]] const float* y(int parameter) const { return x(parameter) + count; }
 };
 
-/// Of a rolling shutter: how much later than the frame's stamp the row of each tile is exposed, and
-/// the camera's velocity (heights a second) and angular rate meanwhile, in its own axes.
+/// Rolling shutter: exposure delay of each tile's row after the frame's stamp, and the camera's
+/// twist (velocity in heights/s, angular rate in rad/s) in camera.
 struct TileTimes {
-  std::vector<float> later_s;
+  std::vector<float> row_delay_s;
   Eigen::Matrix<double, 6, 1> twist;
 };
 
-/// Where the motion takes every tile through the lens, exactly, and how that depends on the
-/// motion. Above the horizon only rotation is seen.
+/// Exact tile placement under `motion` through the lens, with its Jacobian. Above the horizon:
+/// rotation only. `times`: rolling shutter of the current frame; nullptr for a global shutter.
 void place_tiles(const Camera& camera, const TileRays& rays, const PlaneMotion& motion,
                  const TiltAxes& tilt_axes, TilePlacement& placement, TileJacobian& jacobian,
                  const TileTimes* times = nullptr);
 
-/// Sum of w J^T G J and of w J^T g over the tiles.
+/// Normal equations over the tiles: information = sum w J^T G J, gradient = sum w J^T g.
 struct NormalEquations {
   PlaneMotionMatrix information = PlaneMotionMatrix::Zero();
   PlaneMotionStep gradient = PlaneMotionStep::Zero();
 };
+
+/// Sums over all tiles.
 [[nodiscard]] NormalEquations accumulate(const TileJacobian& jacobian,
                                          const TileMeasurements& measurements,
                                          const std::vector<float>& weights);
 
-/// Per tile e^T (G + floor I)^-1 e with e = g - G J step: the squared residual of its flow after
-/// the step, in units of the pixel noise' variance; two degrees of freedom. 0 where nothing is
-/// known.
+/// Squared flow residual of each tile after `step`, over the pixel noise variance (two degrees of
+/// freedom): e^T (G + floor I)^-1 e, e = g - G J step. 0 for tiles without information.
 void squared_residuals(const TileJacobian& jacobian, const TileMeasurements& measurements,
                        const PlaneMotionStep& step, float floor, std::vector<float>& chi2);
 

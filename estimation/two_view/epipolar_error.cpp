@@ -14,7 +14,7 @@ namespace stillkite {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Pairs a vector at a time, and E a = l, E^T b = m and b^T E a of them.
+// One SIMD vector of pairs: l = E a, m = E^T b and b^T E a.
 template <class D>
 struct Epipolar {
   using V = hn::Vec<D>;
@@ -28,7 +28,7 @@ struct Epipolar {
     const V lz = hn::MulAdd(E[6], ax, hn::MulAdd(E[7], ay, E[8]));
     algebraic = hn::MulAdd(bx, lx, hn::MulAdd(by, ly, lz));
     const V norm = hn::MulAdd(lx, lx, hn::MulAdd(ly, ly, hn::MulAdd(mx, mx, hn::Mul(my, my))));
-    // both points at their epipoles: any motion explains them
+    // both points at their epipoles: E a and E^T b are 0
     squared_norm = hn::Max(norm, hn::Set(d, static_cast<hn::TFromD<D>>(1e-30)));
   }
 };
@@ -70,7 +70,7 @@ void distances_of_pairs_kernel(const BearingColumns& c, const double* E, float* 
   }
 }
 
-// 45 entries of the normal matrix, 9 of the gradient, 4 sums: SampsonSums.
+// SampsonSums: 45 entries of the normal matrix, 9 of the gradient, 4 sums.
 void sampson_kernel(const BearingColumns& c, const double* E, double inverse_squared_cutoff,
                     std::array<double, 58>& out) {
   const DoublesD d;
@@ -87,8 +87,8 @@ void sampson_kernel(const BearingColumns& c, const double* E, double inverse_squ
     const V inverse_norm = hn::Div(one, hn::Sqrt(at.squared_norm));
     const V error = hn::Mul(at.algebraic, inverse_norm);
     const V u = hn::Mul(hn::Mul(error, error), scale);
-    const V left = hn::Mul(hn::Max(hn::Sub(one, u), zero), hn::LoadU(d, &c.weight[i]));
-    const V w = hn::Mul(left, left);
+    const V root_weight = hn::Mul(hn::Max(hn::Sub(one, u), zero), hn::LoadU(d, &c.weight[i]));
+    const V w = hn::Mul(root_weight, root_weight);
     // e = C / sqrt(D): de = dC / sqrt(D) - (e / D) dD / 2
     const V f = hn::Neg(hn::Mul(error, hn::Mul(inverse_norm, inverse_norm)));
     const V fl = hn::Mul(f, at.lx), fk = hn::Mul(f, at.ly);
@@ -111,9 +111,9 @@ void sampson_kernel(const BearingColumns& c, const double* E, double inverse_squ
     }
     const V influence = hn::Mul(w, error);
     sum[54] = hn::MulAdd(influence, influence, sum[54]);
-    sum[55] = hn::MulAdd(left, hn::NegMulAdd(five, u, one), sum[55]);
+    sum[55] = hn::MulAdd(root_weight, hn::NegMulAdd(five, u, one), sum[55]);
     sum[56] = hn::Add(sum[56], w);
-    sum[57] = hn::Add(sum[57], hn::IfThenElseZero(hn::Gt(left, zero), one));
+    sum[57] = hn::Add(sum[57], hn::IfThenElseZero(hn::Gt(root_weight, zero), one));
   }
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = hn::GetLane(hn::SumOfLanes(d, sum[k]));
 }
@@ -133,7 +133,7 @@ namespace {
 
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr std::size_t kScoredAtOnce = 64;
+constexpr std::size_t kBlockSize = 64;
 
 }  // namespace
 
@@ -165,12 +165,12 @@ BearingColumns::BearingColumns(std::span<const BearingPair> pairs, std::span<con
   }
 }
 
-BearingColumns::BearingColumns(const BearingColumns& all, std::span<const std::size_t> some)
-    : size_(some.size()) {
+BearingColumns::BearingColumns(const BearingColumns& all, std::span<const std::size_t> indices)
+    : size_(indices.size()) {
   const std::size_t count = (size_ + kPadding - 1) / kPadding * kPadding;
   const auto take = [&](auto column) {
     (this->*column).assign(count, 0);
-    for (std::size_t i = 0; i < size_; ++i) (this->*column)[i] = (all.*column)[some[i]];
+    for (std::size_t i = 0; i < size_; ++i) (this->*column)[i] = (all.*column)[indices[i]];
   };
   for (const auto column : {&BearingColumns::ax, &BearingColumns::ay, &BearingColumns::bx,
                             &BearingColumns::by, &BearingColumns::weight}) {
@@ -200,19 +200,19 @@ SampsonSums sampson_sums(const BearingColumns& columns, const Eigen::Matrix3d& E
 }
 
 double truncated_cost(const BearingColumns& columns, const Eigen::Matrix3d& E, double threshold,
-                      double worst) {
+                      double cost_limit) {
   const RowMajor3d rows = E;
   const auto scale = static_cast<float>(1 / (threshold * threshold));
   const auto cost = HWY_DYNAMIC_DISPATCH(cost_kernel);
   const auto count = static_cast<double>(columns.size());
   double sum = 0;
-  for (std::size_t begin = 0; begin < columns.padded(); begin += kScoredAtOnce) {
-    const std::size_t end = std::min(begin + kScoredAtOnce, columns.padded());
+  for (std::size_t begin = 0; begin < columns.padded(); begin += kBlockSize) {
+    const std::size_t end = std::min(begin + kBlockSize, columns.padded());
     sum += cost(columns, begin, end, rows.data(), scale);
-    if (sum > worst) return sum;
-    // a term lies in [0, 1]: its standard deviation is at most a half
-    const auto seen = static_cast<double>(std::min(end, columns.size()));
-    if (sum - 2 * std::sqrt(seen) > worst * seen / count) return sum * count / seen;
+    if (sum > cost_limit) return sum;
+    // a term lies in [0, 1]: standard deviation <= 1/2
+    const auto scored = static_cast<double>(std::min(end, columns.size()));
+    if (sum - 2 * std::sqrt(scored) > cost_limit * scored / count) return sum * count / scored;
   }
   return sum;
 }

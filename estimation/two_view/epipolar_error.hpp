@@ -12,25 +12,25 @@ namespace stillkite {
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-/// From the median of |x| to the standard deviation of a normal x.
-inline constexpr double kSigmaOfMedian = 1.4826022185056018;
+/// Standard deviation over median |x| of a zero-mean normal x.
+inline constexpr double kMadToSigma = 1.4826022185056018;
 
-/// E = [t]x R: hold paper, eq. (2).
+/// E = [t]x R (hold paper, eq. 2).
 [[nodiscard]] Eigen::Matrix3d essential_matrix(const RelativePose& pose);
 
-/// First-order distance of a pair to the epipolar constraint, signed, on z = 1:
-/// e = b^T E a / sqrt(|E a|^2 + |E^T b|^2), the norms over the first two components. Its standard
-/// deviation is that of a coordinate of either point. Hartley and Zisserman 2004, eq. (11.9).
+/// Signed Sampson error on z = 1: e = b^T E a / sqrt(|E a|^2 + |E^T b|^2), norms of the first two
+/// components. Its standard deviation is that of one coordinate of either point. Hartley and
+/// Zisserman 2004, eq. (11.9).
 [[nodiscard]] double sampson_error(const Eigen::Matrix3d& E, const BearingPair& pair);
 
-/// Pairs by column, in a random order so that any stretch of them is a fair sample.
+/// Bearing pairs as a structure of arrays, in random order: any block is an unbiased sample.
 class BearingColumns {
  public:
   static constexpr std::size_t kPadding = 8;
 
   BearingColumns(std::span<const BearingPair> pairs, std::span<const int> order);
-  /// Some of them, by their places.
-  BearingColumns(const BearingColumns& all, std::span<const std::size_t> some);
+  /// Subset of `all` by index.
+  BearingColumns(const BearingColumns& all, std::span<const std::size_t> indices);
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t padded() const { return weight.size(); }
@@ -43,8 +43,8 @@ class BearingColumns {
   std::size_t size_;
 };
 
-/// What a step of iteratively reweighted least squares over E needs, with Tukey's weights w = (1 -
-/// u)^2 of u = e^2 / cutoff^2 and g = de/dE, row by row.
+/// Sums of one iteratively reweighted least-squares step over the nine entries of E, row by row.
+/// Tukey weights w = (1 - u)^2 with u = e^2 / cutoff^2; g = de/dE.
 struct SampsonSums {
   Matrix9d normal = Matrix9d::Zero();    ///< sum w g g^T
   Vector9d gradient = Vector9d::Zero();  ///< sum w e g
@@ -56,10 +56,10 @@ struct SampsonSums {
 [[nodiscard]] SampsonSums sampson_sums(const BearingColumns& columns, const Eigen::Matrix3d& E,
                                        double cutoff);
 
-/// Sum of min(e^2 / threshold^2, 1), one an outlier. Gives up, with a sum over `worst`, as soon as
-/// what has been seen makes it unlikely (four standard deviations) that the sum stays below it.
+/// MSAC cost: sum of min(e^2 / threshold^2, 1). Stops early with a value above `cost_limit` if the
+/// extrapolated partial sum exceeds that limit by four standard deviations.
 [[nodiscard]] double truncated_cost(const BearingColumns& columns, const Eigen::Matrix3d& E,
-                                    double threshold, double worst);
+                                    double threshold, double cost_limit);
 
 /// |e| of each pair, in the order of the columns.
 [[nodiscard]] std::vector<float> sampson_distances(const BearingColumns& columns,

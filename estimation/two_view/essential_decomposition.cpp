@@ -7,17 +7,17 @@
 namespace stillkite {
 namespace {
 
-struct InFront {
-  int with_parallax = 0;
-  int all = 0;
+struct CheiralityCount {
+  int in_front_with_parallax = 0;
+  int in_front_pairs = 0;
   int pairs_with_parallax = 0;
 };
 
-// Depths of the point along both rays, from b depth_b = depth_a R a + t, up to a common positive
-// factor: crossed with b, and with R a.
-InFront count_in_front(const RelativePose& pose, const BearingColumns& pairs, double least_angle) {
+// Signs of the depths in b depth_b = depth_a R a + t, from the cross products with b and R a.
+CheiralityCount count_cheirality(const RelativePose& pose, const BearingColumns& pairs,
+                                 double min_angle_rad) {
   const Eigen::Matrix3d R = pose.current_from_reference.toRotationMatrix();
-  InFront count;
+  CheiralityCount count;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Vector3d a = R * Eigen::Vector3d(pairs.ax[i], pairs.ay[i], 1);
     const Eigen::Vector3d b(pairs.bx[i], pairs.by[i], 1);
@@ -25,9 +25,9 @@ InFront count_in_front(const RelativePose& pose, const BearingColumns& pairs, do
     const bool in_front =
         pose.direction.cross(b).dot(normal) < 0 && pose.direction.cross(a).dot(normal) < 0;
     const bool parallax =
-        normal.squaredNorm() > least_angle * least_angle * a.squaredNorm() * b.squaredNorm();
-    count.all += in_front ? 1 : 0;
-    count.with_parallax += in_front && parallax ? 1 : 0;
+        normal.squaredNorm() > min_angle_rad * min_angle_rad * a.squaredNorm() * b.squaredNorm();
+    count.in_front_pairs += in_front ? 1 : 0;
+    count.in_front_with_parallax += in_front && parallax ? 1 : 0;
     count.pairs_with_parallax += parallax ? 1 : 0;
   }
   return count;
@@ -49,12 +49,12 @@ std::array<RelativePose, 4> decompose_essential(const Eigen::Matrix3d& E) {
   return {{{p, t}, {p, -t}, {q, t}, {q, -t}}};
 }
 
-RelativePose pose_in_front(const Eigen::Matrix3d& E, const BearingColumns& pairs,
-                           double least_angle) {
+RelativePose select_by_cheirality(const Eigen::Matrix3d& E, const BearingColumns& pairs,
+                                  double min_angle_rad) {
   const std::array<RelativePose, 4> poses = decompose_essential(E);
   const auto score = [&](const RelativePose& pose) {
-    const InFront count = count_in_front(pose, pairs, least_angle);
-    return count.pairs_with_parallax >= 5 ? count.with_parallax : count.all;
+    const CheiralityCount count = count_cheirality(pose, pairs, min_angle_rad);
+    return count.pairs_with_parallax >= 5 ? count.in_front_with_parallax : count.in_front_pairs;
   };
   std::array<int, 4> scores{};
   std::transform(poses.begin(), poses.end(), scores.begin(), score);

@@ -8,13 +8,13 @@
 
 namespace stillkite {
 
-/// The four poses of an essential matrix: two rotations, half a turn about t apart, each with t and
+/// Four poses of an essential matrix: two rotations that differ by 180 deg about t, each with t and
 /// -t. Hartley and Zisserman 2004, result 9.19.
 [[nodiscard]] std::array<RelativePose, 4> decompose_essential(const Eigen::Matrix3d& E);
 
-/// The one of the four that has most pairs in front of both cameras, of those pairs whose rays meet
-/// at more than `least_angle` (rad; of all where fewer than five do so).
-[[nodiscard]] RelativePose pose_in_front(const Eigen::Matrix3d& E, const BearingColumns& pairs,
-                                         double least_angle);
+/// Cheirality test: the pose of the four with the most pairs in front of both cameras. Counts pairs
+/// with a parallax angle above `min_angle_rad`; all pairs if fewer than five have it.
+[[nodiscard]] RelativePose select_by_cheirality(const Eigen::Matrix3d& E,
+                                                const BearingColumns& pairs, double min_angle_rad);
 
 }  // namespace stillkite

@@ -11,21 +11,23 @@
 namespace stillkite {
 namespace {
 
-// Cutoffs of Tukey's weights in thresholds, wide enough at first for the error of what they start
-// from: a model of five noisy pairs; a prior that is off by some degrees. A narrow cutoff has false
-// minima, where a few outliers outweigh what the relief tells, so each is followed to its end.
-constexpr std::array<double, 3> kOptimiseDraw{4, 2, 1.5};
-constexpr std::array<double, 5> kOptimiseStart{20, 10, 5, 2.5, 1.5};
-constexpr int kSteps = 6;
+// Tukey cutoffs in thresholds. The first covers the error of the initial model: five noisy pairs,
+// or a prior with an error of a few degrees. A narrow cutoff has local minima, where a few outliers
+// outweigh the parallax of the relief, so each cutoff is iterated to convergence.
+constexpr std::array<double, 3> kSampleCutoffs{4, 2, 1.5};
+constexpr std::array<double, 5> kInitialPoseCutoffs{20, 10, 5, 2.5, 1.5};
+constexpr int kStepsPerCutoff = 6;
 
 int count_below(const std::vector<float>& distances, double from, double to) {
   return static_cast<int>(std::count_if(distances.begin(), distances.end(),
                                         [&](float e) { return e >= from && e < to; }));
 }
 
-EssentialFit optimise(const BearingColumns& columns, RelativePose pose, double threshold,
-                      std::span<const double> cutoffs) {
-  for (const double cutoff : cutoffs) pose = refine_pose(columns, pose, cutoff * threshold, kSteps);
+EssentialFit refine(const BearingColumns& columns, RelativePose pose, double threshold,
+                    std::span<const double> cutoffs) {
+  for (const double cutoff : cutoffs) {
+    pose = refine_pose(columns, pose, cutoff * threshold, kStepsPerCutoff);
+  }
   EssentialFit fit{.pose = pose, .found = true};
   const Eigen::Matrix3d E = essential_matrix(pose);
   fit.cost = truncated_cost(columns, E, threshold, static_cast<double>(columns.size()));
@@ -40,10 +42,10 @@ double draws_needed(double inlier_ratio, double confidence) {
 }
 
 std::array<BearingPair, 5> pairs_at(const BearingColumns& c,
-                                    const std::array<std::size_t, 5>& drawn) {
+                                    const std::array<std::size_t, 5>& indices) {
   std::array<BearingPair, 5> pairs;
   for (std::size_t k = 0; k < 5; ++k) {
-    const std::size_t i = drawn[k];
+    const std::size_t i = indices[k];
     pairs[k] = {{c.ax[i], c.ay[i]}, {c.bx[i], c.by[i]}};
   }
   return pairs;
@@ -51,28 +53,29 @@ std::array<BearingPair, 5> pairs_at(const BearingColumns& c,
 
 }  // namespace
 
-bool explains(const BearingColumns& columns, const Eigen::Matrix3d& E, double threshold) {
+bool is_supported(const BearingColumns& columns, const Eigen::Matrix3d& E, double threshold) {
   const std::vector<float> distances = sampson_distances(columns, E);
-  const int within = count_below(distances, 0, threshold);
-  const int around = count_below(distances, threshold, 3 * threshold);
-  const int beyond = count_below(distances, 3 * threshold, 5 * threshold);
-  return within >= 0.25 * static_cast<double>(columns.size()) &&
-         around <= beyond + 2 * std::sqrt(beyond + 1.0) + 0.1 * within;
+  const int inliers = count_below(distances, 0, threshold);
+  const int margin_pairs = count_below(distances, threshold, 3 * threshold);
+  const int background_pairs = count_below(distances, 3 * threshold, 5 * threshold);
+  return inliers >= 0.25 * static_cast<double>(columns.size()) &&
+         margin_pairs <= background_pairs + 2 * std::sqrt(background_pairs + 1.0) + 0.1 * inliers;
 }
 
-EssentialFit optimise_start(const BearingColumns& columns, const RelativePose& start,
-                            double threshold) {
-  return optimise(columns, start, threshold, kOptimiseStart);
+EssentialFit refine_initial_pose(const BearingColumns& columns, const RelativePose& initial,
+                                 double threshold) {
+  return refine(columns, initial, threshold, kInitialPoseCutoffs);
 }
 
 EssentialFit fit_essential(const BearingColumns& columns, double threshold,
-                           const RelativePoseConfig& config, std::span<const RelativePose> starts) {
+                           const RelativePoseConfig& config,
+                           std::span<const RelativePose> initial_poses) {
   EssentialFit best{.cost = static_cast<double>(columns.size())};
   if (columns.size() < 5) return best;
-  for (const RelativePose& start : starts) {
-    const EssentialFit fit = optimise_start(columns, start, threshold);
+  for (const RelativePose& initial : initial_poses) {
+    const EssentialFit fit = refine_initial_pose(columns, initial, threshold);
     if (fit.cost < best.cost) best = fit;
-    if (explains(columns, essential_matrix(fit.pose), threshold)) return best;
+    if (is_supported(columns, essential_matrix(fit.pose), threshold)) return best;
   }
   RandomDraws random(static_cast<std::uint64_t>(config.seed) + 1);
   const auto count = static_cast<double>(columns.size());
@@ -85,7 +88,7 @@ EssentialFit fit_essential(const BearingColumns& columns, double threshold,
       const double cost = truncated_cost(columns, E, threshold, best.cost);
       if (cost >= best.cost) continue;
       const EssentialFit fit =
-          optimise(columns, decompose_essential(E)[0], threshold, kOptimiseDraw);
+          refine(columns, decompose_essential(E)[0], threshold, kSampleCutoffs);
       if (fit.cost < best.cost) best = fit;
       needed = std::min(needed, draws_needed(best.inliers / count, config.confidence));
     }

@@ -7,31 +7,30 @@
 
 namespace stillkite {
 
-/// The essential matrix that explains most pairs.
+/// Essential matrix with the lowest MSAC cost.
 struct EssentialFit {
-  RelativePose pose;  ///< any of the four that share E
+  RelativePose pose;  ///< one of the four poses of E, cheirality not tested
   double cost = 0;    ///< sum of min(e^2 / threshold^2, 1)
-  int inliers = 0;    ///< pairs below the threshold
+  int inliers = 0;    ///< pairs with |e| below the threshold
   bool found = false;
 };
 
-/// Locally optimised RANSAC with truncated squares (Chum, Matas and Kittler 2003; Torr and
-/// Zisserman 2000, MSAC): each best model so far is refined on all pairs before the next draw. The
-/// `starts` are refined first, and one that `explains` the pairs ends the search. `threshold` on z
-/// = 1.
+/// Locally optimized RANSAC with truncated squares (Chum, Matas and Kittler 2003; Torr and
+/// Zisserman 2000, MSAC): each new best model is refined on all pairs. The `initial_poses` are
+/// refined first; one that passes `is_supported` ends the search. `threshold` on z = 1. `found` is
+/// false below five pairs or if no model has a lower cost than the empty one.
 [[nodiscard]] EssentialFit fit_essential(const BearingColumns& columns, double threshold,
                                          const RelativePoseConfig& config,
-                                         std::span<const RelativePose> starts);
+                                         std::span<const RelativePose> initial_poses);
 
-/// A pose that is off by some degrees, refined on all pairs.
-[[nodiscard]] EssentialFit optimise_start(const BearingColumns& columns, const RelativePose& start,
-                                          double threshold);
+/// Refinement on all pairs of an initial pose with an error of a few degrees.
+[[nodiscard]] EssentialFit refine_initial_pose(const BearingColumns& columns,
+                                               const RelativePose& initial, double threshold);
 
-/// Whether a model stands as a fresh one would: at least a quarter of the pairs lie within the
-/// threshold, and between one and three thresholds there are no more than there would be of pairs
-/// that belong to no model (as many a width as between three and five), plus a tenth of the
-/// inliers. A model caught in a false minimum has its threshold in the midst of a slope.
-[[nodiscard]] bool explains(const BearingColumns& columns, const Eigen::Matrix3d& E,
-                            double threshold);
+/// Acceptance test of a refined model. At least 25 % of the pairs are inliers. The number of pairs
+/// between one and three thresholds is consistent with the outlier density between three and five,
+/// plus 10 % of the inliers. A local minimum fails: its residuals have no gap at the threshold.
+[[nodiscard]] bool is_supported(const BearingColumns& columns, const Eigen::Matrix3d& E,
+                                double threshold);
 
 }  // namespace stillkite

@@ -12,7 +12,7 @@ namespace {
 // Polynomials in x, y, z.
 using Linear = std::array<double, 4>;      // x y z 1
 using Quadratic = std::array<double, 10>;  // x2 xy xz x y2 yz y z2 z 1
-// x3 y3 x2y xy2 x2z x2 y2z y2 xyz xy | xz2 xz x yz2 yz y z3 z2 z 1: Nister's order
+// Nister's order: x3 y3 x2y xy2 x2z x2 y2z y2 xyz xy | xz2 xz x yz2 yz y z3 z2 z 1
 using Cubic = std::array<double, 20>;
 using Constraints = std::array<Cubic, 10>;
 
@@ -103,8 +103,8 @@ Constraints essential_constraints(const NullSpace& basis) {
   return rows;
 }
 
-// Gauss-Jordan on the first ten columns; of the upper four rows only what lies below is of use.
-// False: singular.
+// Gauss-Jordan elimination of the first ten columns; rows 0..3 are only needed as pivots, so they
+// are not back-substituted. False: singular.
 bool eliminate(Constraints& M) {
   for (int c = 0; c < 10; ++c) {
     int pivot = c;
@@ -130,8 +130,8 @@ struct RowInZ {
   std::array<double, 5> one;
 };
 
-// <e> - z <f> of Nister's table: the monomials with x and y at most once remain.
-RowInZ less_z_times(const Cubic& e, const Cubic& f) {
+// <e> - z <f> of Nister's table: only monomials linear in x and y remain.
+RowInZ subtract_z_times(const Cubic& e, const Cubic& f) {
   return {{e[12], e[11] - f[12], e[10] - f[11], -f[10]},
           {e[15], e[14] - f[15], e[13] - f[14], -f[13]},
           {e[19], e[18] - f[19], e[17] - f[18], e[16] - f[17], -f[16]}};
@@ -171,8 +171,8 @@ Eigen::Vector3d row_at(const RowInZ& row, double z) {
   return {value(row.x), value(row.y), value(row.one)};
 }
 
-// A Gauss-Newton step of (x, y, z) on the ten constraints: the polynomial's coefficients have lost
-// digits on their way.
+// Gauss-Newton step of (x, y, z) on the ten constraints; compensates rounding in the polynomial's
+// coefficients.
 Eigen::Vector3d polish(const Constraints& rows, const Eigen::Vector3d& at) {
   const double x = at.x(), y = at.y(), z = at.z();
   const Cubic value{x * x * x, y * y * y, x * x * y, x * y * y, x * x * z, x * x, y * y * z,
@@ -208,9 +208,9 @@ EssentialCandidates solve_five_point(std::span<const BearingPair, 5> pairs) {
   const Constraints constraints = essential_constraints(basis);
   Constraints M = constraints;
   if (!eliminate(M)) return found;
-  const RowInZ k = less_z_times(M[4], M[5]);
-  const RowInZ l = less_z_times(M[6], M[7]);
-  const RowInZ m = less_z_times(M[8], M[9]);
+  const RowInZ k = subtract_z_times(M[4], M[5]);
+  const RowInZ l = subtract_z_times(M[6], M[7]);
+  const RowInZ m = subtract_z_times(M[8], M[9]);
   const RealRoots roots = real_roots(determinant(k, l, m));
   for (int i = 0; i < roots.count; ++i) {
     const double z = roots.root[i];

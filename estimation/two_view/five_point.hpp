@@ -14,11 +14,11 @@ struct EssentialCandidates {
   int count = 0;
 };
 
-/// All essential matrices that five pairs allow, none where the pairs are degenerate: E = x X + y Y
-/// + z Z + W over the null space of the five epipolar constraints, det E = 0 and 2 E E^T E =
-/// tr(E E^T) E, elimination to a polynomial of tenth degree in z. Source: Nister 2004, "An
-/// efficient solution to the five-point relative pose problem", section 3.2; x, y, z are then
-/// polished on the cubic constraints themselves.
+/// Essential matrices of five pairs; none if the pairs are degenerate. E = x X + y Y + z Z + W over
+/// the null space of the five epipolar constraints, with det E = 0 and 2 E E^T E = tr(E E^T) E.
+/// Elimination gives a polynomial of tenth degree in z; a Gauss-Newton step on the cubic
+/// constraints refines x, y, z. Source: Nister 2004, "An efficient solution to the five-point
+/// relative pose problem", section 3.2.
 [[nodiscard]] EssentialCandidates solve_five_point(std::span<const BearingPair, 5> pairs);
 
 }  // namespace stillkite

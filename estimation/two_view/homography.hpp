@@ -9,25 +9,26 @@
 
 namespace stillkite {
 
-/// The two motions over a plane that share a homography, each with its normal such that n^T (0, 0,
-/// 1) > 0; equal where nothing but a rotation, or a translation along the normal, is seen.
-/// `any_scale`: H times any number but 0. Ma, Soatto, Kosecka and Sastry 2004, "An invitation to
-/// 3-D vision", theorem 5.19.
-[[nodiscard]] std::array<PlaneMotion, 2> decompose_homography(const Eigen::Matrix3d& any_scale);
+/// Two plane-induced motions of a homography, with normals n_z > 0. Both are equal for a pure
+/// rotation or a translation along the normal. `scaled_homography`: H times any factor except 0.
+/// Ma, Soatto, Kosecka and Sastry 2004, "An invitation to 3-D vision", theorem 5.19.
+[[nodiscard]] std::array<PlaneMotion, 2> decompose_homography(
+    const Eigen::Matrix3d& scaled_homography);
 
-/// The homography that explains most pairs: RANSAC on four at a time, at most `draws`, then
-/// `refine_homography`. `threshold` on z = 1.
+/// Homography by RANSAC on samples of four pairs, at most `draws`, then `refine_homography`.
+/// `threshold` on z = 1.
 [[nodiscard]] Eigen::Matrix3d fit_homography(const BearingColumns& columns, double threshold,
                                              int draws, RandomDraws& random);
 
-/// Gauss-Newton on the transfer errors over the entries of H across H itself, whose scale is free,
-/// with Tukey's weights; `cutoff` on z = 1.
+/// Gauss-Newton on the transfer errors with Tukey weights, over the entries of H orthogonal to H
+/// (the scale of H is a gauge); `cutoff` on z = 1.
 [[nodiscard]] Eigen::Matrix3d refine_homography(const BearingColumns& columns, Eigen::Matrix3d H,
                                                 double cutoff, int steps);
 
-/// As RelativePoseEstimate has it, of the view of a refined homography: Huber's, as
-/// pose_covariance; zero where the pairs do not tell the view.
-[[nodiscard]] Matrix6d plane_covariance(const BearingColumns& columns, const PlaneMotion& view,
+/// Covariance (rotation, direction) of the motion of a refined homography, ordered as in
+/// RelativePoseEstimate. Huber's estimator as in `pose_covariance`; 0 if the motion is not
+/// observable.
+[[nodiscard]] Matrix6d plane_covariance(const BearingColumns& columns, const PlaneMotion& motion,
                                         double cutoff);
 
 }  // namespace stillkite

@@ -9,10 +9,10 @@
 namespace stillkite {
 namespace {
 
-constexpr double kMostOfMean = 4;
-constexpr int kRounds = 3;  // the heaviest pairs hide the next from N
+constexpr double kMaxLeverageRatio = 4;
+constexpr int kRounds = 3;  // masking: the largest leverages hide the next ones in N
 
-// de/dE row by row, as SampsonSums has it.
+// de/dE row by row, as in SampsonSums.
 Vector9d error_gradient(const Eigen::Matrix3d& E, const Eigen::Vector3d& a,
                         const Eigen::Vector3d& b) {
   const Eigen::Vector3d l = E * a, m = E.transpose() * b;
@@ -47,12 +47,12 @@ BearingColumns with_bounded_leverage(BearingColumns columns, const RelativePose&
     const Matrix5d normal = J.transpose() * sums.normal * J;
     const Eigen::LLT<Matrix5d> factor(normal);
     if (factor.info() != Eigen::Success || !(sums.weight > 5)) return columns;
-    const double most = kMostOfMean * 5 / sums.weight;
+    const double max_leverage = kMaxLeverageRatio * 5 / sums.weight;
     const Matrix5d whitening = factor.matrixL().solve(Matrix5d::Identity());
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const Eigen::Matrix<double, 5, 1> g = gradients.col(static_cast<Eigen::Index>(i));
       const double leverage = (whitening * g).squaredNorm();
-      columns.weight[i] = leverage > most ? most / leverage : 1;
+      columns.weight[i] = leverage > max_leverage ? max_leverage / leverage : 1;
       columns.fweight[i] = static_cast<float>(columns.weight[i]);
     }
   }

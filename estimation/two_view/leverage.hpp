@@ -5,14 +5,13 @@
 
 namespace stillkite {
 
-/// The same pairs, those weighed down whose leverage h = g^T N^-1 g on the pose (g = de / d(w, u),
-/// N the weighted sum of g g^T) exceeds four times the mean: Mallows' weights of a
-/// bounded-influence estimator (Hampel et al. 1986, "Robust statistics", section 6.3).
+/// Mallows weights of a bounded-influence estimator (Hampel et al. 1986, "Robust statistics",
+/// section 6.3): pairs with a leverage h = g^T N^-1 g above four times the mean are downweighted.
+/// g = de / d(w, u), N = weighted sum of g g^T.
 ///
-/// Between two views of little relief, rotation and direction can turn together and hardly move the
-/// epipolar lines at the true pairs, while they sweep over wrong pairs, which lie far from where
-/// their neighbours went. A wrong pair that happens to be close to its line then outweighs hundreds
-/// of true ones, and makes a false minimum wherever it does.
+/// With little relief, rotation and direction are correlated: a common change hardly moves the
+/// epipolar lines of inliers, but strongly those of outliers. An outlier near its epipolar line
+/// then outweighs hundreds of inliers and creates a local minimum.
 [[nodiscard]] BearingColumns with_bounded_leverage(BearingColumns columns, const RelativePose& pose,
                                                    double cutoff);
 

@@ -35,7 +35,7 @@ Eigen::Matrix3d to_eigen(const cv::Mat& m) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.ptr<double>());
 }
 
-// The points of the inliers, each on its epipolar line if wanted.
+// Inlier points, optionally moved onto their epipolar lines.
 struct Inliers {
   std::vector<cv::Point2d> reference, current;
 };
@@ -50,7 +50,7 @@ Inliers inliers_of(std::span<const BearingPair> pairs, const cv::Mat& mask, cons
   if (!correct || points.reference.empty()) return points;
   Inliers corrected;
   cv::correctMatches(E, points.reference, points.current, corrected.reference, corrected.current);
-  // a point at an epipole comes back as NaN
+  // correctMatches returns NaN for a point at an epipole
   for (std::size_t i = 0; i < corrected.reference.size(); ++i) {
     const cv::Point2d sum = corrected.reference[i] + corrected.current[i];
     if (!std::isfinite(sum.x + sum.y)) {
@@ -80,7 +80,7 @@ RelativePoseEstimate estimate_relative_pose_opencv(std::span<const BearingPair> 
     cv::Mat E = cv::findEssentialMat(reference, current, K, opencv_flag(config.essential_method),
                                      config.confidence, config.threshold_px / focal_px, mask);
     if (E.rows < 3 || E.cols != 3 || mask.total() != pairs.size()) return estimate;
-    E = E.rowRange(0, 3).clone();  // five pairs alone give all their solutions, stacked
+    E = E.rowRange(0, 3).clone();  // five pairs: OpenCV stacks all solutions
     const Inliers points = inliers_of(pairs, mask, E, config.correct_matches);
     if (points.reference.size() < kMinimalPairs) return estimate;
     cv::Mat R, t;
@@ -97,10 +97,10 @@ RelativePoseEstimate estimate_relative_pose_opencv(std::span<const BearingPair> 
       ++estimate.inlier_count;
       errors.push_back(std::abs(sampson_error(essential, pairs[i])));
     }
-    estimate.residual = kSigmaOfMedian * upper_median(errors);
+    estimate.residual = kMadToSigma * upper_median(errors);
     estimate.model = ViewModel::general;
   } catch (const cv::Exception&) {
-    // OpenCV asserts within on some degenerate samples: no answer for this frame
+    // OpenCV asserts on some degenerate samples
     estimate = {};
     estimate.inliers.assign(pairs.size(), 0);
   }

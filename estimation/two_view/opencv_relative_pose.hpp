@@ -10,7 +10,7 @@
 
 namespace stillkite {
 
-/// OpenCV's estimators of the essential matrix; the hold paper's is `ransac`.
+/// OpenCV estimators of the essential matrix; the hold paper uses `ransac`.
 enum class EssentialMethod { ransac, usac_default, usac_fast, usac_accurate, usac_magsac };
 template <>
 struct EnumNames<EssentialMethod> {
@@ -29,18 +29,18 @@ struct OpenCvPoseConfig {
   bool correct_matches = true;
 
   static void fields(auto& self, auto&& field) {
-    field("essential_method", self.essential_method, "OpenCV's estimator of the essential matrix");
-    field("threshold_px", self.threshold_px, kPositive, "epipolar distance of an outlier");
+    field("essential_method", self.essential_method, "OpenCV estimator of the essential matrix");
+    field("threshold_px", self.threshold_px, kPositive, "maximum epipolar distance of an inlier");
     field("confidence", self.confidence, Range{0.5, 0.999999},
-          "probability of having drawn five inliers once, at which drawing ends");
+          "RANSAC confidence: probability of one sample of five inliers");
     field("correct_matches", self.correct_matches,
-          "move the inliers onto their epipolar lines before the cheirality test");
+          "optimal triangulation correction of the inliers before the cheirality test");
   }
 };
 
-/// The hold paper's own way, section III: findEssentialMat, correctMatches, recoverPose. The model
-/// is `general`, or `undecided` where OpenCV finds no matrix; the covariance stays 0. OpenCV draws
-/// from a generator of its own: equal calls give equal answers.
+/// Relative pose by OpenCV as in the hold paper, section III: findEssentialMat, correctMatches,
+/// recoverPose. The model is `general`, or `undecided` if OpenCV finds no matrix; the covariance is
+/// 0. Deterministic: OpenCV seeds its own random generator.
 [[nodiscard]] RelativePoseEstimate estimate_relative_pose_opencv(std::span<const BearingPair> pairs,
                                                                  double focal_px,
                                                                  const OpenCvPoseConfig& config);

@@ -6,9 +6,9 @@
 namespace stillkite {
 namespace {
 
-// p_0 = p, p_1 = p', p_k+1 = -(p_k-1 mod p_k) up to a positive factor. Where every remainder is one
-// degree lower than its divisor, the chain is p_k-1 = (slope z + offset) p_k - scale p_k+1, which
-// is a fifth of the work of evaluating each of them.
+// p_0 = p, p_1 = p', p_k+1 = -(p_k-1 mod p_k) up to a positive factor. If every remainder is one
+// degree lower than its divisor, p_k-1 = (slope z + offset) p_k - scale p_k+1. The recurrence costs
+// a fifth of evaluating each polynomial.
 class SturmChain {
  public:
   SturmChain(const Polynomial& p, int degree) {
@@ -21,35 +21,35 @@ class SturmChain {
       link.slope = above[n] / below[n - 1];
       link.offset = n > 1 ? (above[n - 1] - link.slope * below[n - 2]) / below[n - 1] : 0;
       if (n == 1) link.offset = above[0] / below[0];
-      Polynomial rest{};
+      Polynomial remainder{};
       double largest = 0;
       for (int i = 0; i < n - 1; ++i) {
         const double shifted = i > 0 ? below[i - 1] : 0;
-        rest[i] = link.slope * shifted + link.offset * below[i] - above[i];
-        largest = std::max(largest, std::abs(rest[i]));
+        remainder[i] = link.slope * shifted + link.offset * below[i] - above[i];
+        largest = std::max(largest, std::abs(remainder[i]));
       }
       last_ = below[n - 1];
-      // a remainder that is nothing but rounding: a root repeats, and `below` divides all above it
-      if (n == 1 || !(largest > 0) || !(std::abs(rest[n - 2]) > 1e-14 * largest)) break;
+      // rounding-only remainder: repeated root, `below` is the greatest common divisor
+      if (n == 1 || !(largest > 0) || !(std::abs(remainder[n - 2]) > 1e-14 * largest)) break;
       link.scale = largest;
-      for (double& c : rest) c /= largest;
+      for (double& c : remainder) c /= largest;
       above = below;
-      below = rest;
+      below = remainder;
       --n;
     }
   }
 
-  /// Changes of sign along the chain, which falls by one at each root that z passes.
+  /// Sign changes along the chain; decreases by one at each root below z.
   [[nodiscard]] int sign_changes(double z) const {
     double below = 0;
-    double here = last_;
+    double current = last_;
     int changes = 0;
     for (int k = length_ - 1; k >= 0; --k) {
       const Link& link = links_[k];
-      const double above = (link.slope * z + link.offset) * here - link.scale * below;
-      changes += (above < 0) != (here < 0) ? 1 : 0;
-      below = here;
-      here = above;
+      const double above = (link.slope * z + link.offset) * current - link.scale * below;
+      changes += (above < 0) != (current < 0) ? 1 : 0;
+      below = current;
+      current = above;
     }
     return changes;
   }
@@ -76,7 +76,7 @@ ValueAndSlope evaluate(const Polynomial& p, int degree, double z) {
   return {value, slope};
 }
 
-// Newton's method that halves the bracket where it would leave it.
+// Newton iteration with bisection if a step leaves the bracket.
 double root_in(const Polynomial& p, int degree, double low, double high) {
   const bool rising = evaluate(p, degree, low).value < 0;
   double z = 0.5 * (low + high);
@@ -97,7 +97,7 @@ struct RootInterval {
   int changes_low, changes_high;
 };
 
-// Halves large intervals by their magnitude: roots of all sizes are equally near.
+// Geometric mean for large intervals: equal effort for roots of all magnitudes.
 double middle_of(double low, double high) {
   if (low < 0 && high > 0) return 0;
   const double a = std::abs(low), b = std::abs(high);
@@ -127,10 +127,10 @@ RealRoots real_roots(const Polynomial& ascending) {
   const SturmChain chain(p, degree);
 
   std::array<RootInterval, 64> open{};
-  int waiting = 0;
-  open[waiting++] = {-bound, bound, chain.sign_changes(-bound), chain.sign_changes(bound)};
-  while (waiting > 0 && found.count < degree) {
-    const RootInterval at = open[--waiting];
+  int pending = 0;
+  open[pending++] = {-bound, bound, chain.sign_changes(-bound), chain.sign_changes(bound)};
+  while (pending > 0 && found.count < degree) {
+    const RootInterval at = open[--pending];
     const int roots = at.changes_low - at.changes_high;
     if (roots <= 0) continue;
     const double middle = middle_of(at.low, at.high);
@@ -144,10 +144,10 @@ RealRoots real_roots(const Polynomial& ascending) {
       found.root[found.count++] = root_in(p, degree, at.low, at.high);
       continue;
     }
-    if (waiting + 2 > static_cast<int>(open.size())) break;
+    if (pending + 2 > static_cast<int>(open.size())) break;
     const int changes = chain.sign_changes(middle);
-    open[waiting++] = {at.low, middle, at.changes_low, changes};
-    open[waiting++] = {middle, at.high, changes, at.changes_high};
+    open[pending++] = {at.low, middle, at.changes_low, changes};
+    open[pending++] = {middle, at.high, changes, at.changes_high};
   }
   std::sort(found.root.begin(), found.root.begin() + found.count);
   return found;

@@ -6,7 +6,7 @@ namespace stillkite {
 
 inline constexpr int kMaxDegree = 10;
 
-/// Coefficients in ascending order, c[0] + c[1] z + ... + c[10] z^10.
+/// Coefficients in ascending order: c[0] + c[1] z + ... + c[10] z^10.
 using Polynomial = std::array<double, kMaxDegree + 1>;
 
 struct RealRoots {
@@ -14,10 +14,9 @@ struct RealRoots {
   int count = 0;
 };
 
-/// Real roots of a polynomial of at most tenth degree, each once, however often it repeats.
-/// Isolated by Sturm's theorem, then by Newton's method within their brackets. No roots where a
-/// coefficient is not finite. Source: Nister 2004, "An efficient solution to the five-point
-/// relative pose problem", section 3.2.3.
+/// Distinct real roots of a polynomial of degree <= 10, ascending. Sturm's theorem isolates the
+/// roots, bracketed Newton iteration refines them. No roots if a coefficient is not finite. Source:
+/// Nister 2004, "An efficient solution to the five-point relative pose problem", section 3.2.3.
 [[nodiscard]] RealRoots real_roots(const Polynomial& ascending);
 
 }  // namespace stillkite

@@ -11,28 +11,27 @@
 
 namespace stillkite {
 
-/// One feature seen twice: points (x, y) of the plane z = 1 of either camera, undistorted.
+/// Correspondence of one feature: undistorted points (x, y) on z = 1 of each camera.
 struct BearingPair {
   Eigen::Vector2d reference;
   Eigen::Vector2d current;
 };
 
-/// X_current = R X_reference + s t with an unknown scale s > 0; E = [t]x R in the hold paper's
-/// eq. (2).
+/// X_current = R X_reference + s t with an unobservable scale s > 0; E = [t]x R (hold paper,
+/// eq. 2).
 struct RelativePose {
   Eigen::Quaterniond current_from_reference = Eigen::Quaterniond::Identity();
-  /// t, a unit vector, or 0 where nothing is known of it: the reference's origin seen from the
-  /// current camera, the way home.
+  /// t: unit vector from the current camera to the reference origin; 0 if unobservable.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
 };
 
-/// What explains two views.
+/// Model of the correspondences of two views.
 enum class ViewModel {
-  undecided,      ///< too few pairs, no model for enough of them, or a plane of two possible poses
-  still,          ///< nothing has moved
-  rotation_only,  ///< the camera has turned on the spot; t is unknown
-  plane,          ///< a homography: all that is seen lies in one plane
-  general,        ///< an essential matrix: the scene has depth
+  undecided,      ///< too few pairs or inliers, or an unresolved plane ambiguity
+  still,          ///< identity: no motion
+  rotation_only,  ///< pure rotation; t is unobservable
+  plane,          ///< homography: all features lie on one plane
+  general,        ///< essential matrix: scene with depth
 };
 template <>
 struct EnumNames<ViewModel> {
@@ -44,17 +43,17 @@ struct EnumNames<ViewModel> {
        {ViewModel::general, "general"}});
 };
 
-/// A pose from pairs of bearings, and what is known of it.
+/// Relative pose from bearing pairs, with its covariance.
 struct RelativePoseEstimate {
   ViewModel model = ViewModel::undecided;
   RelativePose pose;
-  /// Of the essential matrix, which every model's pairs obey; its t is 0 where none was found.
+  /// Pose of the essential matrix, valid for every model; t = 0 if none was found.
   RelativePose epipolar;
-  /// Of (rotation vector, t), both in the current camera: R = exp(e) R_true, t = t_true + e. Its
-  /// rank is 5 where t is known (t stays a unit vector); with t unknown the lower block is 0. All 0
-  /// where it is not known how good the pose is.
+  /// Covariance of (rotation vector, t), both in the current camera: R = exp(e) R_true,
+  /// t = t_true + e. Rank 5 (t is a unit vector); the lower block is 0 if t is unobservable. All 0
+  /// if no covariance is available.
   Matrix6d covariance = Matrix6d::Zero();
-  std::vector<unsigned char> inliers;  ///< one a pair, 1 where the model explains it
+  std::vector<unsigned char> inliers;  ///< one per pair, 1 for an inlier of the model
   int inlier_count = 0;
   double residual = 0;  ///< robust standard deviation of the inliers' Sampson error, on z = 1
 };

@@ -22,28 +22,28 @@ struct RelativePoseConfig {
   int seed = 1;
 
   static void fields(auto& self, auto&& field) {
-    field("threshold_px", self.threshold_px, kPositive,
-          "Sampson error at which a pair counts as an outlier");
+    field("threshold_px", self.threshold_px, kPositive, "maximum Sampson error of an inlier");
     field("confidence", self.confidence, Range{0.5, 0.999999},
-          "probability of having drawn five inliers once, at which drawing ends");
-    field("max_iterations", self.max_iterations, Range{1, 1e6}, "draws of five pairs, at most");
+          "RANSAC confidence: probability of one sample of five inliers");
+    field("max_iterations", self.max_iterations, Range{1, 1e6},
+          "maximum number of RANSAC samples of five pairs");
     field("min_pairs", self.min_pairs, Range{6, 1e6},
-          "inliers without which the answer is `undecided`");
-    field("refine", self.refine, "least squares on all inliers after the draws");
-    field("use_prior", self.use_prior, "try the last frame's answer before any draw");
+          "minimum number of inliers, else `undecided`");
+    field("refine", self.refine, "robust least squares on the inliers after RANSAC");
+    field("use_prior", self.use_prior, "refine the last frame's pose before RANSAC");
     field("model_test", self.model_test,
-          "tell stillness, pure rotation and planes, where the essential matrix is degenerate");
-    field("model_floor_px", self.model_floor_px, kNotNegative,
-          "systematic error of the points, which is not to be taken for motion or depth");
+          "model selection: no motion, pure rotation, plane or essential matrix");
+    field("model_floor_px", self.model_floor_px, kNonNegative,
+          "systematic error of the points, excluded from motion and depth evidence");
     field("vertical_sigma_deg", self.vertical_sigma_deg, kPositive,
-          "error of the known vertical, by which the two poses of a plane are told apart");
-    field("seed", self.seed, Range{0, 2147483647}, "of the draws");
+          "standard deviation of the given vertical, which resolves the two poses of a plane");
+    field("seed", self.seed, Range{0, 2147483647}, "seed of the random sampling");
   }
 };
 
-/// What is known beforehand; each may be left out.
+/// Optional prior information.
 struct RelativePoseHints {
-  std::optional<RelativePose> prior;               ///< the last frame's answer, or a prediction
+  std::optional<RelativePose> prior;               ///< pose of the last frame, or a prediction
   std::optional<Eigen::Vector3d> up_in_reference;  ///< any length
   std::optional<Eigen::Vector3d> up_in_current;    ///< any length
 };

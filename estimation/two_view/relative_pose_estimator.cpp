@@ -20,22 +20,22 @@
 namespace stillkite {
 namespace {
 
-// Of two components: their median length is sqrt(2 ln 2) standard deviations; Tukey's cutoff for 95
-// % of the efficiency is as in robust_kernel.hpp.
-constexpr double kSigmaOfMedianLength = 1 / kRayleighMedian;
-constexpr double kTukeyCutoffOfLength = 5.1;
-constexpr double kLeastCutoff = 1e-9;
+// Two components: median length sqrt(2 ln 2) standard deviations; Tukey cutoff for 95 % efficiency
+// as in robust_kernel.hpp.
+constexpr double kMedianLengthToSigma = 1 / kRayleighMedian;
+constexpr double kTukeyCutoff2d = 5.1;
+constexpr double kMinCutoff = 1e-9;
 constexpr double kCutoffInThresholds = 1.5;
 constexpr int kRotationDraws = 40;
 constexpr int kPlaneDraws = 15;
 
-// The pairs of one call and what is found out about them on the way.
+// Inputs of one call.
 struct Problem {
   std::span<const BearingPair> pairs;
   const RelativePoseConfig& config;
   const RelativePoseHints& hints;
   double threshold;
-  std::vector<int> order;  // of the columns' pairs
+  std::vector<int> order;  // pair index of each column entry
   BearingColumns columns;
 };
 
@@ -51,29 +51,29 @@ std::vector<int> shuffled_finite_pairs(std::span<const BearingPair> pairs, int s
   return order;
 }
 
-// A pose and the cutoff of Tukey's weights that it was refined with.
+// Pose with the Tukey cutoff of its refinement.
 template <typename Pose>
 struct Refined {
   Pose pose;
   double cutoff;
 };
 
-// Refines with a cutoff that shrinks with the noise which the pose leaves: `refine(pose, cutoff)`,
+// Refines with a cutoff that follows the estimated noise: `refine(pose, cutoff)`,
 // `distances(pose)`.
 template <typename Pose>
 Refined<Pose> refine_to_noise(const Problem& problem, Pose pose, double sigma_of_median,
                               double cutoff_in_sigma, const auto& refine, const auto& distances) {
-  const double widest = kCutoffInThresholds * problem.threshold;
-  if (!problem.config.refine) return {pose, widest};
-  double cutoff = widest;
-  // from wide to narrow: a narrow cutoff alone has false minima
-  for (const double wide : {4.0, 2.0}) pose = refine(pose, wide * widest);
-  double sigma = scale_below(distances(pose), problem.threshold, sigma_of_median);
+  const double max_cutoff = kCutoffInThresholds * problem.threshold;
+  if (!problem.config.refine) return {pose, max_cutoff};
+  double cutoff = max_cutoff;
+  // from wide to narrow: a narrow cutoff alone has local minima
+  for (const double factor : {4.0, 2.0}) pose = refine(pose, factor * max_cutoff);
+  double sigma = inlier_scale(distances(pose), problem.threshold, sigma_of_median);
   for (int i = 0; i < 10; ++i) {
-    cutoff = std::clamp(cutoff_in_sigma * sigma, kLeastCutoff, widest);
+    cutoff = std::clamp(cutoff_in_sigma * sigma, kMinCutoff, max_cutoff);
     pose = refine(pose, cutoff);
     const double before = sigma;
-    sigma = scale_below(distances(pose), problem.threshold, sigma_of_median);
+    sigma = inlier_scale(distances(pose), problem.threshold, sigma_of_median);
     if (sigma > 0.98 * before) break;
   }
   return {pose, cutoff};
@@ -88,7 +88,7 @@ RelativePoseEstimate with_inliers(const Problem& problem, ViewModel model,
     estimate.inliers[static_cast<std::size_t>(problem.order[i])] = inlier ? 1 : 0;
     estimate.inlier_count += inlier ? 1 : 0;
   }
-  estimate.residual = scale_below(distances, problem.threshold, sigma_of_median);
+  estimate.residual = inlier_scale(distances, problem.threshold, sigma_of_median);
   return estimate;
 }
 
@@ -103,9 +103,9 @@ BearingColumns inlier_columns(const Problem& problem, const std::vector<float>& 
 RelativePoseEstimate general_estimate(const Problem& problem, const Refined<RelativePose>& fit) {
   const Eigen::Matrix3d E = essential_matrix(fit.pose);
   const std::vector<float> distances = sampson_distances(problem.columns, E);
-  RelativePoseEstimate estimate =
-      with_inliers(problem, ViewModel::general, distances, kSigmaOfMedian);
-  estimate.pose = pose_in_front(E, inlier_columns(problem, distances), 3 * estimate.residual);
+  RelativePoseEstimate estimate = with_inliers(problem, ViewModel::general, distances, kMadToSigma);
+  estimate.pose =
+      select_by_cheirality(E, inlier_columns(problem, distances), 3 * estimate.residual);
   estimate.epipolar = estimate.pose;
   estimate.covariance = pose_covariance(
       with_bounded_leverage(problem.columns, estimate.pose, fit.cutoff), estimate.pose, fit.cutoff);
@@ -119,73 +119,74 @@ RelativePoseEstimate rotation_estimate(const Problem& problem, ViewModel model,
     return transfer_distances(problem.columns, q.toRotationMatrix());
   };
   const Refined<Eigen::Quaterniond> fit = refine_to_noise(
-      problem, rotation, kSigmaOfMedianLength, kTukeyCutoffOfLength,
+      problem, rotation, kMedianLengthToSigma, kTukeyCutoff2d,
       [&](const Eigen::Quaterniond& q, double cutoff) {
         return refine_rotation(problem.columns, q, cutoff, 4);
       },
       distances);
   RelativePoseEstimate estimate =
-      with_inliers(problem, model, distances(fit.pose), kSigmaOfMedianLength);
+      with_inliers(problem, model, distances(fit.pose), kMedianLengthToSigma);
   estimate.pose.current_from_reference = fit.pose;
   estimate.epipolar = epipolar;
   estimate.covariance = rotation_covariance(problem.columns, fit.pose, fit.cutoff);
   return estimate;
 }
 
-RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3d& rough,
+RelativePoseEstimate plane_estimate(const Problem& problem, const Eigen::Matrix3d& initial,
                                     const RelativePose& epipolar) {
   const auto distances = [&](const Eigen::Matrix3d& H) {
     return transfer_distances(problem.columns, H);
   };
   const Refined<Eigen::Matrix3d> fit = refine_to_noise(
-      problem, rough, kSigmaOfMedianLength, kTukeyCutoffOfLength,
+      problem, initial, kMedianLengthToSigma, kTukeyCutoff2d,
       [&](const Eigen::Matrix3d& H, double cutoff) {
         return refine_homography(problem.columns, H, cutoff, 4);
       },
       distances);
-  // of what stands behind the plane, as over the horizon, nothing need be in front of it
+  // cheirality holds for inliers of the plane only; points beyond the horizon lie behind it
   const BearingColumns on_plane = inlier_columns(problem, distances(fit.pose));
-  const std::optional<PlaneMotion> view =
+  const std::optional<PlaneMotion> motion =
       resolve_plane(decompose_homography(fit.pose), on_plane, problem.hints, problem.config);
   RelativePoseEstimate estimate =
-      with_inliers(problem, view ? ViewModel::plane : ViewModel::undecided, distances(fit.pose),
-                   kSigmaOfMedianLength);
+      with_inliers(problem, motion ? ViewModel::plane : ViewModel::undecided, distances(fit.pose),
+                   kMedianLengthToSigma);
   estimate.epipolar = epipolar;
-  if (!view) return estimate;
-  estimate.pose = {view->rotation, view->translation.normalized()};
-  estimate.covariance = plane_covariance(problem.columns, *view, fit.cutoff);
+  if (!motion) return estimate;
+  estimate.pose = {motion->rotation, motion->translation.normalized()};
+  estimate.covariance = plane_covariance(problem.columns, *motion, fit.cutoff);
   return estimate;
 }
 
-// A scene that is nearly flat has a second minimum near the plane's other pose. What a lens is off
-// by may make the false one the better of both: which of them keeps the vertical, or the ground
-// level, says more, unless it explains far less.
-EssentialFit beside_plane(const Problem& problem, const EssentialFit& fit,
-                          const Eigen::Matrix3d& plane, const BearingColumns& inliers) {
-  constexpr double kFarWorse = 3;
-  const std::array<PlaneMotion, 2> views = decompose_homography(plane);
-  const std::optional<std::size_t> known =
-      view_over_ground(views, inliers, problem.hints, problem.config);
+// A nearly flat scene has a second minimum near the plane's other pose. Lens distortion errors can
+// give the wrong minimum the lower cost. Prefers the pose with a consistent vertical or a level
+// plane unless its cost exceeds `kMaxCostRatio` times the lowest.
+EssentialFit fit_near_plane(const Problem& problem, const EssentialFit& fit,
+                            const Eigen::Matrix3d& plane, const BearingColumns& inliers) {
+  constexpr double kMaxCostRatio = 3;
+  const std::array<PlaneMotion, 2> motions = decompose_homography(plane);
+  const std::optional<std::size_t> preferred =
+      select_over_ground(motions, inliers, problem.hints, problem.config);
   EssentialFit best = fit;
-  std::optional<EssentialFit> of_known;
-  for (std::size_t k = 0; k < views.size(); ++k) {
-    if (!(views[k].translation.norm() > 0)) continue;
-    const EssentialFit other = optimise_start(
-        problem.columns, {views[k].rotation, views[k].translation.normalized()}, problem.threshold);
-    if (other.cost < best.cost) best = other;
-    if (known == k) of_known = other;
+  std::optional<EssentialFit> preferred_fit;
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    if (!(motions[k].translation.norm() > 0)) continue;
+    const EssentialFit candidate = refine_initial_pose(
+        problem.columns, {motions[k].rotation, motions[k].translation.normalized()},
+        problem.threshold);
+    if (candidate.cost < best.cost) best = candidate;
+    if (preferred == k) preferred_fit = candidate;
   }
-  return of_known && of_known->cost < kFarWorse * best.cost ? *of_known : best;
+  return preferred_fit && preferred_fit->cost < kMaxCostRatio * best.cost ? *preferred_fit : best;
 }
 
-// On weights of bounded leverage, which a better pose may shift.
+// Two rounds: the leverage weights depend on the pose.
 Refined<RelativePose> refine_essential(const Problem& problem, const EssentialFit& fit) {
   Refined<RelativePose> refined{fit.pose, kCutoffInThresholds * problem.threshold};
   for (int round = 0; problem.config.refine && round < 2; ++round) {
     const BearingColumns columns =
         with_bounded_leverage(problem.columns, refined.pose, refined.cutoff);
     refined = refine_to_noise(
-        problem, refined.pose, kSigmaOfMedian, kTukeyCutoff,
+        problem, refined.pose, kMadToSigma, kTukeyCutoff,
         [&](const RelativePose& pose, double cutoff) {
           return refine_pose(columns, pose, cutoff, 8);
         },
@@ -196,22 +197,23 @@ Refined<RelativePose> refine_essential(const Problem& problem, const EssentialFi
   return refined;
 }
 
-// Where the estimate may start from: the prior, and the rotation that explains at least a quarter
-// of the pairs with the direction in which they are displaced beside it.
-std::vector<RelativePose> starts_of(const Problem& problem, const Eigen::Quaterniond& rotation) {
-  std::vector<RelativePose> starts;
+// Initial poses: the prior; the rotation with the direction of the residual displacements, if its
+// MSAC cost is below 75 % of the maximum.
+std::vector<RelativePose> initial_poses(const Problem& problem,
+                                        const Eigen::Quaterniond& rotation) {
+  std::vector<RelativePose> poses;
   const std::optional<RelativePose>& prior = problem.hints.prior;
   if (problem.config.use_prior && prior && prior->direction.norm() > 0.5) {
-    starts.push_back({prior->current_from_reference, prior->direction.normalized()});
+    poses.push_back({prior->current_from_reference, prior->direction.normalized()});
   }
-  if (!problem.config.model_test) return starts;
+  if (!problem.config.model_test) return poses;
   const Eigen::Matrix3d R = rotation.toRotationMatrix();
   const auto count = static_cast<double>(problem.columns.size());
   const double wide = 4 * problem.threshold;
   if (truncated_transfer_cost(problem.columns, R, wide, count) < 0.75 * count) {
-    starts.push_back({rotation, direction_beside(problem.columns, rotation, wide)});
+    poses.push_back({rotation, displacement_direction(problem.columns, rotation, wide)});
   }
-  return starts;
+  return poses;
 }
 
 }  // namespace
@@ -228,32 +230,32 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
                         .columns = {pairs, order}};
   RandomDraws random(static_cast<std::uint64_t>(config.seed));
 
-  // 1. the rotation that explains most pairs, where nothing or little but a rotation is seen
+  // 1. dominant rotation
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   if (config.model_test) {
     rotation = fit_rotation(problem.columns, problem.threshold, kRotationDraws, random);
   }
 
-  // 2. the essential matrix: from what is known, else from draws of five pairs
+  // 2. essential matrix: from the initial poses, else RANSAC on five pairs
   EssentialFit fit =
-      fit_essential(problem.columns, problem.threshold, config, starts_of(problem, rotation));
+      fit_essential(problem.columns, problem.threshold, config, initial_poses(problem, rotation));
   if (!fit.found || fit.inliers < config.min_pairs) {
-    return with_inliers(problem, ViewModel::undecided, {}, kSigmaOfMedian);
+    return with_inliers(problem, ViewModel::undecided, {}, kMadToSigma);
   }
   const Refined<RelativePose> refined = refine_essential(problem, fit);
   if (!config.model_test) return general_estimate(problem, refined);
 
-  // 3. is a simpler model enough for its inliers?
+  // 3. model selection on its inliers
   const std::vector<float> distances =
       sampson_distances(problem.columns, essential_matrix(refined.pose));
   const BearingColumns inliers = inlier_columns(problem, distances);
   if (inliers.size() < static_cast<std::size_t>(config.min_pairs)) {
-    return with_inliers(problem, ViewModel::undecided, {}, kSigmaOfMedian);
+    return with_inliers(problem, ViewModel::undecided, {}, kMadToSigma);
   }
   const Eigen::Matrix3d plane = fit_homography(inliers, problem.threshold, kPlaneDraws, random);
-  const ModelEvidence evidence = weigh_models(
+  const ModelEvidence evidence = evaluate_models(
       inliers, refine_rotation(inliers, rotation, 2 * problem.threshold, 3), plane,
-      scale_below(distances, problem.threshold, kSigmaOfMedian), config.model_floor_px / focal_px);
+      inlier_scale(distances, problem.threshold, kMadToSigma), config.model_floor_px / focal_px);
   switch (const ViewModel model = simplest_model(evidence); model) {
     case ViewModel::still:
     case ViewModel::rotation_only:
@@ -264,14 +266,14 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
       break;
   }
 
-  // 4. depth it is: the pose of the essential matrix
-  const double outside = truncated_transfer_cost(inliers, plane, 4 * problem.threshold,
-                                                 static_cast<double>(inliers.size()));
-  if (outside > 0.5 * static_cast<double>(inliers.size())) {
+  // 4. general scene: pose of the essential matrix
+  const double off_plane_cost = truncated_transfer_cost(inliers, plane, 4 * problem.threshold,
+                                                        static_cast<double>(inliers.size()));
+  if (off_plane_cost > 0.5 * static_cast<double>(inliers.size())) {
     return general_estimate(problem, refined);
   }
   return general_estimate(problem,
-                          refine_essential(problem, beside_plane(problem, fit, plane, inliers)));
+                          refine_essential(problem, fit_near_plane(problem, fit, plane, inliers)));
 }
 
 }  // namespace stillkite

@@ -7,12 +7,11 @@
 
 namespace stillkite {
 
-/// The motion between two views from pairs of bearings of the same features, some of them wrong:
-/// docs/reference_pose.md. `focal_px` turns the config's pixels into lengths on z = 1.
+/// Robust relative pose of two views from bearing pairs with outliers (docs/two_view_pose.md).
+/// `focal_px` converts the config's pixels to lengths on z = 1.
 ///
-/// The pose of a plane comes from its homography, rotation only has no direction, stillness
-/// neither. `undecided`: the pose is not to be used. Pairs that are not finite count as outliers.
-/// Equal input gives an equal answer.
+/// Model `plane`: pose of the homography. `rotation_only` and `still`: no direction. `undecided`:
+/// the pose is invalid. Non-finite pairs are outliers. Deterministic for equal input.
 [[nodiscard]] RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs,
                                                           double focal_px,
                                                           const RelativePoseConfig& config,

@@ -8,7 +8,7 @@ namespace stillkite {
 bool RotationGate::accepts(const Eigen::Quaterniond& rotation) {
   const bool is_outlier =
       accepted_ && angle_between_rad(*accepted_, rotation) > config_.max_change_deg * kDegree;
-  if (is_outlier && rejected_ < config_.strikes) {
+  if (is_outlier && rejected_ < config_.max_consecutive_rejections) {
     ++rejected_;
     return false;
   }

@@ -9,24 +9,25 @@ namespace stillkite {
 
 struct RotationGateConfig {
   double max_change_deg = 5;
-  int strikes = 3;
+  int max_consecutive_rejections = 3;
 
   static void fields(auto& self, auto&& field) {
     field("max_change_deg", self.max_change_deg, Range{0.01, 180},
-          "from the last accepted rotation, beyond which a frame is an outlier");
-    field("strikes", self.strikes, Range{0, 1000}, "outliers in a row before the next is accepted");
+          "maximum rotation from the last accepted frame");
+    field("max_consecutive_rejections", self.max_consecutive_rejections, Range{0, 1000},
+          "maximum number of consecutive rejections; the next frame is accepted");
   }
 };
 
-/// The hold paper's outlier rejector (section III): a rotation that differs by more than the limit
-/// from the last accepted one is rejected, three times in a row; the fourth is the new value. The
-/// difference is the angle between the rotations: Euler angles wrap.
+/// Outlier rejection of the hold paper, section III. Rejects a rotation that differs by more than
+/// `max_change_deg` from the last accepted one, at most `max_consecutive_rejections` times; then
+/// accepts it. The difference is the rotation angle, which does not wrap as Euler angles do.
 class RotationGate {
  public:
   explicit RotationGate(const RotationGateConfig& config) : config_(config) {}
 
   [[nodiscard]] bool accepts(const Eigen::Quaterniond& rotation);
-  /// The next rotation is accepted whatever it is.
+  /// Accepts any next rotation.
   void reset();
 
  private:

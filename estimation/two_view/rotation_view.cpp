@@ -3,13 +3,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "estimation/two_view/shared_error.hpp"
+#include "estimation/two_view/cluster_variance.hpp"
 #include "estimation/two_view/transfer_error.hpp"
 
 namespace stillkite {
 namespace {
 
-// vec([w]x R) by w.
+// d vec([w]x R) / dw, row by row.
 Eigen::Matrix<double, 9, 3> rotation_jacobian(const Eigen::Quaterniond& rotation) {
   const Eigen::Matrix3d R = rotation.toRotationMatrix();
   Eigen::Matrix<double, 9, 3> J;
@@ -20,7 +20,7 @@ Eigen::Matrix<double, 9, 3> rotation_jacobian(const Eigen::Quaterniond& rotation
   return J;
 }
 
-// The axes that two bearings span.
+// Orthonormal axes of two bearings (TRIAD).
 Eigen::Matrix3d triad(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
   const Eigen::Vector3d x = first.normalized();
   const Eigen::Vector3d z = first.cross(second).normalized();
@@ -52,7 +52,7 @@ Eigen::Quaterniond fit_rotation(const BearingColumns& columns, double threshold,
                                 RandomDraws& random) {
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
   if (columns.size() < 2) return Eigen::Quaterniond::Identity();
-  // two noisy pairs turn the far side of the image by more than the threshold
+  // the rotation of two noisy pairs exceeds the threshold at the far side of the image
   const double wide = 3 * threshold;
   double best_cost =
       truncated_transfer_cost(columns, best, wide, static_cast<double>(columns.size()));
@@ -86,17 +86,18 @@ Matrix6d rotation_covariance(const BearingColumns& columns,
   const Eigen::Matrix3d normal = J.transpose() * sums.normal * J;
   const double variance = sums.count / (sums.count - 1.5) * 0.5 * sums.squared_influence *
                           sums.weight / (sums.slope * sums.slope);
-  const double shared = shared_error_ratio<3>(
+  const double variance_ratio = cluster_variance_ratio<3>(
       columns, J, normal, 0.5 * sums.squared_influence / sums.weight,
-      [&](const BearingColumns& some) { return transfer_sums(some, R, cutoff); });
-  const Eigen::Matrix3d of_step =
-      shared * variance * normal.ldlt().solve(Eigen::Matrix3d::Identity());
-  if (of_step.allFinite()) covariance.topLeftCorner<3, 3>() = of_step;
+      [&](const BearingColumns& cell) { return transfer_sums(cell, R, cutoff); });
+  const Eigen::Matrix3d step_covariance =
+      variance_ratio * variance * normal.ldlt().solve(Eigen::Matrix3d::Identity());
+  if (step_covariance.allFinite()) covariance.topLeftCorner<3, 3>() = step_covariance;
   return covariance;
 }
 
-Eigen::Vector3d direction_beside(const BearingColumns& columns,
-                                 const Eigen::Quaterniond& current_from_reference, double cutoff) {
+Eigen::Vector3d displacement_direction(const BearingColumns& columns,
+                                       const Eigen::Quaterniond& current_from_reference,
+                                       double cutoff) {
   const Eigen::Matrix3d R = current_from_reference.toRotationMatrix();
   const std::vector<float> distances = transfer_distances(columns, R);
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();

@@ -2,19 +2,19 @@
 
 #include <Eigen/Cholesky>
 
-#include "estimation/two_view/shared_error.hpp"
+#include "estimation/two_view/cluster_variance.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
 namespace {
 
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
-constexpr double kLargestStep_rad = 0.3;
+constexpr double kMaxStep_rad = 0.3;
 
 }  // namespace
 
 Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
-  // the axis that is farthest from the direction
+  // axis least aligned with the direction
   Eigen::Index axis = 0;
   direction.cwiseAbs().minCoeff(&axis);
   Eigen::Matrix<double, 3, 2> basis;
@@ -47,12 +47,12 @@ RelativePose refine_pose(const BearingColumns& columns, RelativePose pose, doubl
     const SampsonSums sums = sampson_sums(columns, essential_matrix(pose), cutoff);
     const Eigen::Matrix<double, 9, 5> J = essential_jacobian(pose);
     Matrix5d normal = J.transpose() * sums.normal * J;
-    // Levenberg's damping, too small to slow down a step that the pairs determine
+    // Levenberg damping, negligible for observable steps
     normal.diagonal() += 1e-9 * normal.diagonal() + PoseStep::Constant(1e-12);
     PoseStep step = -normal.ldlt().solve(J.transpose() * sums.gradient);
     const double length = step.norm();
     if (!(length < 1e6)) return pose;
-    if (length > kLargestStep_rad) step *= kLargestStep_rad / length;
+    if (length > kMaxStep_rad) step *= kMaxStep_rad / length;
     pose = apply(pose, step);
     if (length < 1e-7) break;
   }
@@ -69,17 +69,17 @@ Matrix6d pose_covariance(const BearingColumns& columns, const RelativePose& pose
   if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0)) {
     return Matrix6d::Zero();
   }
-  // n / (n - 5) mean(psi^2) / mean(psi')^2, and mean(w) since the normal matrix is a weighted one
+  // n / (n - 5) mean(psi^2) / mean(psi')^2, times mean(w) for the weighted normal matrix
   const double variance = sums.count / (sums.count - 5) * sums.squared_influence * sums.weight /
                           (sums.slope * sums.slope);
-  const double shared = shared_error_ratio<5>(
+  const double variance_ratio = cluster_variance_ratio<5>(
       columns, J, normal, sums.squared_influence / sums.weight,
-      [&](const BearingColumns& some) { return sampson_sums(some, E, cutoff); });
-  const Matrix5d of_step = shared * variance * factor.solve(Matrix5d::Identity());
-  Eigen::Matrix<double, 6, 5> to_errors = Eigen::Matrix<double, 6, 5>::Zero();
-  to_errors.topLeftCorner<3, 3>().setIdentity();
-  to_errors.bottomRightCorner<3, 2>() = tangent_basis(pose.direction);
-  const Matrix6d covariance = to_errors * of_step * to_errors.transpose();
+      [&](const BearingColumns& cell) { return sampson_sums(cell, E, cutoff); });
+  const Matrix5d step_covariance = variance_ratio * variance * factor.solve(Matrix5d::Identity());
+  Eigen::Matrix<double, 6, 5> error_from_step = Eigen::Matrix<double, 6, 5>::Zero();
+  error_from_step.topLeftCorner<3, 3>().setIdentity();
+  error_from_step.bottomRightCorner<3, 2>() = tangent_basis(pose.direction);
+  const Matrix6d covariance = error_from_step * step_covariance * error_from_step.transpose();
   return covariance.allFinite() ? covariance : Matrix6d::Zero();
 }
 

@@ -17,7 +17,7 @@ namespace stillkite {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// pi(H a) - b = (rx, ry) of pairs a vector at a time, S = (I + A A^T)^-1, p = S r.
+// One SIMD vector of pairs: (rx, ry) = pi(H a) - b, S = (I + A A^T)^-1, p = S r.
 template <class D>
 struct Transfer {
   using V = hn::Vec<D>;
@@ -70,7 +70,7 @@ void transfer_distances_kernel(const BearingColumns& c, std::size_t begin, std::
   }
 }
 
-// 36 entries of the normal matrix, 9 of the gradient, 4 sums: TransferSums.
+// TransferSums: 36 entries of the normal matrix, 9 of the gradient, 4 sums.
 void transfer_sums_kernel(const BearingColumns& c, const double* H, double inverse_squared_cutoff,
                           std::array<double, 49>& out) {
   const TransferDoubles d;
@@ -85,8 +85,8 @@ void transfer_sums_kernel(const BearingColumns& c, const double* H, double inver
     const Transfer<TransferDoubles> at(d, h, ax, ay, hn::LoadU(d, &c.bx[i]),
                                        hn::LoadU(d, &c.by[i]));
     const V u = hn::Mul(at.squared, scale);
-    const V left = hn::Mul(hn::Max(hn::Sub(one, u), zero), hn::LoadU(d, &c.weight[i]));
-    const V w = hn::Mul(left, left);
+    const V root_weight = hn::Mul(hn::Max(hn::Sub(one, u), zero), hn::LoadU(d, &c.weight[i]));
+    const V w = hn::Mul(root_weight, root_weight);
     const V f = hn::Mul(w, at.inverse_depth);
     const V ff = hn::Mul(f, at.inverse_depth);
     // P^T S P with P = [I | -(x, y)]
@@ -112,9 +112,9 @@ void transfer_sums_kernel(const BearingColumns& c, const double* H, double inver
       }
     }
     sum[45] = hn::MulAdd(hn::Mul(w, w), at.squared, sum[45]);
-    sum[46] = hn::MulAdd(left, hn::NegMulAdd(three, u, one), sum[46]);
+    sum[46] = hn::MulAdd(root_weight, hn::NegMulAdd(three, u, one), sum[46]);
     sum[47] = hn::Add(sum[47], w);
-    sum[48] = hn::Add(sum[48], hn::IfThenElseZero(hn::Gt(left, zero), one));
+    sum[48] = hn::Add(sum[48], hn::IfThenElseZero(hn::Gt(root_weight, zero), one));
   }
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = hn::GetLane(hn::SumOfLanes(d, sum[k]));
 }
@@ -132,9 +132,9 @@ HWY_EXPORT(transfer_sums_kernel);
 namespace {
 
 using RowMajorHomography = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-constexpr std::size_t kTransferredAtOnce = 64;
+constexpr std::size_t kTransferBlockSize = 64;
 
-// Of the entry (i, j) of a symmetric 3x3 matrix in its upper triangle, row by row.
+// Index of the entry (i, j) of a symmetric 3x3 matrix in its row-major upper triangle.
 int upper_index(int i, int j) {
   constexpr std::array<int, 9> kIndex{0, 1, 2, 1, 3, 4, 2, 4, 5};
   return kIndex[static_cast<std::size_t>(3 * i + j)];
@@ -181,14 +181,14 @@ std::vector<float> transfer_distances(const BearingColumns& columns, const Eigen
 }
 
 double truncated_transfer_cost(const BearingColumns& columns, const Eigen::Matrix3d& H,
-                               double threshold, double worst) {
+                               double threshold, double cost_limit) {
   const RowMajorHomography rows = H;
   const auto scale = static_cast<float>(1 / threshold);
   const auto count = static_cast<double>(columns.size());
-  std::array<float, kTransferredAtOnce> distances{};
+  std::array<float, kTransferBlockSize> distances{};
   double sum = 0;
-  for (std::size_t begin = 0; begin < columns.padded(); begin += kTransferredAtOnce) {
-    const std::size_t end = std::min(begin + kTransferredAtOnce, columns.padded());
+  for (std::size_t begin = 0; begin < columns.padded(); begin += kTransferBlockSize) {
+    const std::size_t end = std::min(begin + kTransferBlockSize, columns.padded());
     HWY_DYNAMIC_DISPATCH(transfer_distances_kernel)
     (columns, begin, end, rows.data(), distances.data());
     const std::size_t last = std::min(end, columns.size());
@@ -196,9 +196,9 @@ double truncated_transfer_cost(const BearingColumns& columns, const Eigen::Matri
       const float in_thresholds = distances[i - begin] * scale;
       sum += std::min(in_thresholds * in_thresholds, 1.0F);
     }
-    if (sum > worst) return sum;
-    const auto seen = static_cast<double>(last);
-    if (sum - 2 * std::sqrt(seen) > worst * seen / count) return sum * count / seen;
+    if (sum > cost_limit) return sum;
+    const auto scored = static_cast<double>(last);
+    if (sum - 2 * std::sqrt(scored) > cost_limit * scored / count) return sum * count / scored;
   }
   return sum;
 }

@@ -10,7 +10,7 @@
 
 namespace stillkite {
 
-/// A camera written out in the configuration itself.
+/// Pinhole camera with a distortion model, given in the configuration.
 struct CameraConfig {
   int width_px = 1920;
   int height_px = 1080;
@@ -22,15 +22,16 @@ struct CameraConfig {
   std::vector<double> coefficients;
 
   static void fields(auto& self, auto&& field) {
-    field("width_px", self.width_px, Range{16, 100000}, "of the image");
-    field("height_px", self.height_px, Range{16, 100000}, "of the image");
-    field("focal_x_px", self.focal_x_px, kPositive, "focal length along the rows");
-    field("focal_y_px", self.focal_y_px, kPositive, "focal length along the columns");
-    field("centre_x_px", self.centre_x_px, "principal point; the first pixel's centre is 0");
-    field("centre_y_px", self.centre_y_px, "principal point");
-    field("distortion", self.distortion, "model of the lens");
+    field("width_px", self.width_px, Range{16, 100000}, "image width");
+    field("height_px", self.height_px, Range{16, 100000}, "image height");
+    field("focal_x_px", self.focal_x_px, kPositive, "focal length along the rows, f_x");
+    field("focal_y_px", self.focal_y_px, kPositive, "focal length along the columns, f_y");
+    field("centre_x_px", self.centre_x_px,
+          "principal point, c_x; the centre of the first pixel is 0");
+    field("centre_y_px", self.centre_y_px, "principal point, c_y");
+    field("distortion", self.distortion, "distortion model");
     field("coefficients", self.coefficients,
-          "of the lens: k1 k2 p1 p2 [k3 [k4 k5 k6]], or equidistant k1 k2 k3 k4");
+          "distortion coefficients: k1 k2 p1 p2 [k3 [k4 k5 k6]], or equidistant k1 k2 k3 k4");
   }
 };
 
@@ -41,14 +42,14 @@ struct CalibrationConfig {
 
   static void fields(auto& self, auto&& field) {
     field("path", self.path,
-          "EuRoC sensor.yaml, Kalibr camchain or OpenCV YAML; without it the data set's own");
-    field("camera", self.camera, "instead of a file");
+          "EuRoC sensor.yaml, Kalibr camchain or OpenCV YAML; default: the data set's calibration");
+    field("camera", self.camera, "camera parameters, instead of a file");
     field("mask_path", self.mask_path,
-          "an image, black where no world is seen: the aircraft's legs, text, a lens's dark rim");
+          "mask image, black where the scene is hidden: airframe, text overlay, vignette");
   }
 };
 
-/// How the camera sits in the body (x forward, y left, z up).
+/// Camera extrinsics: body (x forward, y left, z up) from camera.
 struct MountConfig {
   std::optional<double> down_deg;
   std::optional<std::array<double, 4>> rotation_wxyz;
@@ -56,10 +57,11 @@ struct MountConfig {
 
   static void fields(auto& self, auto&& field) {
     field("down_deg", self.down_deg, Range{-90, 90},
-          "optical axis below the body's horizon, image upright: 0 forward, 90 straight down; "
-          "without it and the next the calibration's, else 90");
-    field("rotation_wxyz", self.rotation_wxyz, "any other mount: quaternion body from camera");
-    field("position_m", self.position_m, "of the camera in the body; used with one of the two");
+          "angle of the optical axis below the body's x-y plane, no roll: 0 forward, 90 down; "
+          "default: the calibration's extrinsics, else 90");
+    field("rotation_wxyz", self.rotation_wxyz, "quaternion body from camera, for any other mount");
+    field("position_m", self.position_m,
+          "camera position in the body; not in addition to the calibration's extrinsics");
   }
 };
 

@@ -9,7 +9,7 @@
 
 namespace stillkite {
 
-/// A struct that lists its fields (geometry/fields.hpp).
+/// Config struct with a static `fields` (geometry/fields.hpp).
 template <typename T>
 concept ListsFields = requires(T& self) {
   T::fields(self, [](auto&&...) {});
@@ -31,12 +31,12 @@ template <typename Enum>
   return names;
 }
 
-/// Reads the keys of a map into the fields of a struct; what is not given keeps its value.
-/// Throws InputError for an unknown key and for a value of the wrong kind or out of range.
+/// Reads the keys of a map into the fields of a struct. Absent keys keep their values.
+/// Throws InputError on an unknown key, a value of the wrong kind, and a value out of range.
 template <ListsFields Config>
 void read_fields(const ConfigNode& map, const std::string& prefix, Config& config);
 
-/// Reads one value. A null empties an optional and is an error for anything else.
+/// Reads one value. Null resets an optional and is an error for any other type.
 template <typename T>
 void read_value(const ConfigNode& node, const std::string& key, const Range& range, T& value) {
   if constexpr (kIsOptional<T>) {
@@ -72,7 +72,7 @@ void read_value(const ConfigNode& node, const std::string& key, const Range& ran
   }
 }
 
-/// The `field` that `Config::fields` is called with to read.
+/// Visitor for `Config::fields` that reads values.
 class FieldReader {
  public:
   FieldReader(const ConfigNode& map, const std::string& prefix) : map_(map), prefix_(prefix) {}
@@ -105,7 +105,7 @@ void read_fields(const ConfigNode& map, const std::string& prefix, Config& confi
   Config::fields(config, FieldReader(map, prefix));
 }
 
-/// The defaults with what the document gives laid over them.
+/// Defaults overridden by the document.
 template <ListsFields Config>
 [[nodiscard]] Config bind_config(const ConfigNode& root, Config defaults = {}) {
   read_fields(root, "", defaults);

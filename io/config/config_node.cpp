@@ -4,14 +4,17 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <set>
 
 #include "geometry/fields.hpp"
+#include "io/config/renamed_keys.hpp"
 #include "io/text_file.hpp"
 
 namespace stillkite {
 namespace {
 
-// Aliases are expanded, and a few of them nested would grow without bound.
+// Bounds the expansion of nested aliases ("billion laughs").
 constexpr int kMaxNodes = 100'000;
 constexpr int kMaxDepth = 32;
 
@@ -27,7 +30,7 @@ class Converter {
     to.line = std::max(0, mark.line + 1);
     to.column = std::max(0, mark.column + 1);
     if (++nodes_ > kMaxNodes || depth > kMaxDepth) {
-      throw InputError(fmt::format("{}: more than {} values or {} levels; this is no configuration",
+      throw InputError(fmt::format("{}: more than {} values or {} levels; not a configuration file",
                                    to.where(), kMaxNodes, kMaxDepth));
     }
     if (from.IsScalar()) {
@@ -47,7 +50,7 @@ class Converter {
  private:
   void add_entry(ConfigNode& map, const YAML::Node& key, const YAML::Node& value, int depth) {
     ConfigNode node = convert(value, key.Mark(), depth + 1);
-    if (!key.IsScalar()) throw InputError(node.where() + ": a key must be one word");
+    if (!key.IsScalar()) throw InputError(node.where() + ": a key must be a scalar");
     if (map.find(key.Scalar()) != nullptr) {
       throw InputError(
           fmt::format("{}: key '{}' is given twice; keep one", node.where(), key.Scalar()));
@@ -60,18 +63,18 @@ class Converter {
   int nodes_ = 0;
 };
 
-// A line that begins with three dashes after anything but comments and directives, or anything
-// after a line of three dots. (YAML::LoadAll does not come back from some texts that are no YAML.)
+// True if content follows "..." or precedes a "---" line. YAML::LoadAll hangs on some invalid
+// documents, so the marks are searched in the text.
 bool has_second_document(std::string_view text) {
   bool has_content = false;
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
     const std::size_t first = line.find_first_not_of(" \t\r");
-    const bool is_mark = line.size() == 3 || line.find_first_of(" \t\r") == 3;
-    const bool is_start = line.starts_with("---") && is_mark;
+    const bool is_marker = line.size() == 3 || line.find_first_of(" \t\r") == 3;
+    const bool is_start = line.starts_with("---") && is_marker;
     if (is_start && has_content) return true;
-    if (line.starts_with("...") && is_mark) {
+    if (line.starts_with("...") && is_marker) {
       return text.find_first_not_of(" \t\r\n") != std::string_view::npos;
     }
     const bool is_comment =
@@ -81,7 +84,6 @@ bool has_second_document(std::string_view text) {
   return false;
 }
 
-// Of a map that may be changed or not.
 auto* find_in(auto& map, std::string_view key) {
   const auto at = std::find_if(map.entries.begin(), map.entries.end(),
                                [&](const auto& entry) { return entry.first == key; });
@@ -104,6 +106,14 @@ ConfigNode parse_override_value(const std::string& text, const std::string& orig
   return node;
 }
 
+// Once each: a comparison reads one file for every estimator.
+void print_notices(const std::vector<std::string>& notices) {
+  static std::set<std::string> printed;
+  for (const std::string& notice : notices) {
+    if (printed.insert(notice).second) fmt::print(stderr, "stillkite: {}\n", notice);
+  }
+}
+
 }  // namespace
 
 std::string ConfigNode::where() const {
@@ -118,15 +128,15 @@ ConfigNode parse_yaml(const std::string& text, const std::string& origin,
                       const std::filesystem::path& base_folder) {
   try {
     if (has_second_document(text)) {
-      throw InputError(origin + ": holds more than one YAML document (---); keep one");
+      throw InputError(origin + ": more than one YAML document (---); keep one");
     }
     const YAML::Node root = YAML::Load(text);
     return Converter(origin, base_folder).convert(root, root.Mark(), 0);
   } catch (const YAML::Exception& error) {
     const bool is_tab = text.find('\t') != std::string::npos;
-    throw InputError(fmt::format("{}:{}:{}: not YAML: {}{}", origin, error.mark.line + 1,
-                                 error.mark.column + 1, error.msg,
-                                 is_tab ? "; YAML is indented by blanks, there is a tab" : ""));
+    throw InputError(fmt::format(
+        "{}:{}:{}: invalid YAML: {}{}", origin, error.mark.line + 1, error.mark.column + 1,
+        error.msg, is_tab ? "; YAML indentation must be spaces, the text contains a tab" : ""));
   }
 }
 
@@ -134,8 +144,8 @@ ConfigNode read_yaml(const std::filesystem::path& file) {
   const std::string text = read_text_file(file);
   if (text.find('\0') != std::string::npos) {
     throw InputError(file.string() +
-                     ": is no text in UTF-8; a YAML file is needed, and a video is named in "
-                     "one: source: {path: VIDEO}");
+                     ": not a UTF-8 text file; expected a YAML file. Give a video as "
+                     "source: {path: VIDEO} in a YAML file");
   }
   return parse_yaml(text, file.string(), std::filesystem::absolute(file).parent_path());
 }
@@ -144,7 +154,7 @@ void apply_override(ConfigNode& root, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const std::string origin = "--set " + assignment;
   if (equals == 0 || equals == std::string::npos) {
-    throw InputError(origin + ": write it as key=value, for example source.start_s=2.5");
+    throw InputError(origin + ": expected key=value, for example source.start_s=2.5");
   }
   ConfigNode* at = &root;
   std::string_view path(assignment.data(), equals);
@@ -162,8 +172,17 @@ void apply_override(ConfigNode& root, const std::string& assignment) {
 ConfigNode read_config(const std::optional<std::filesystem::path>& file,
                        const std::vector<std::string>& overrides) {
   ConfigNode root{.kind = ConfigNode::Kind::map};
-  if (file) root = read_yaml(*file);
-  for (const std::string& assignment : overrides) apply_override(root, assignment);
+  if (file) root = read_config_section(*file, "");
+  for (const std::string& assignment : overrides) {
+    apply_override(root, assignment);
+    print_notices(move_renamed_keys(root, "", true));
+  }
+  return root;
+}
+
+ConfigNode read_config_section(const std::filesystem::path& file, std::string_view prefix) {
+  ConfigNode root = read_yaml(file);
+  print_notices(move_renamed_keys(root, prefix, false));
   return root;
 }
 

@@ -9,42 +9,48 @@
 
 namespace stillkite {
 
-/// One value of a YAML document and where it was written, so that a message can point at it.
+/// YAML value with its location, for error messages.
 struct ConfigNode {
   enum class Kind { null, scalar, list, map };
 
   Kind kind = Kind::null;
-  std::string text{};               ///< of a scalar
-  bool quoted = false;              ///< a quoted scalar is text even if it looks like a number
-  std::vector<ConfigNode> items{};  ///< of a list
-  std::vector<std::pair<std::string, ConfigNode>> entries{};  ///< of a map, in the file's order
+  std::string text{};               ///< scalar only
+  bool quoted = false;              ///< a quoted scalar is text, never a number
+  std::vector<ConfigNode> items{};  ///< list only
+  std::vector<std::pair<std::string, ConfigNode>> entries{};  ///< map only, in file order
 
-  std::string origin{};                 ///< file, or the command line's "--set key=value"
-  std::filesystem::path base_folder{};  ///< where relative paths written here count from
-  int line = 0;                         ///< of the key (of the value in a list), from 1; 0 unknown
+  std::string origin{};                 ///< file, or "--set key=value" of the command line
+  std::filesystem::path base_folder{};  ///< base of relative paths
+  int line = 0;  ///< of the key (of the value in a list), from 1; 0 if unknown
   int column = 0;
 
-  /// "file:line:column", or the origin alone.
+  /// "file:line:column", or the origin if the line is unknown.
   [[nodiscard]] std::string where() const;
 
-  /// The value under the key; nullptr if this is no map or has no such key.
+  /// Value of the key; nullptr if absent or if this is not a map.
   [[nodiscard]] const ConfigNode* find(std::string_view key) const;
 };
 
-/// Throws InputError "file:line:column: ..." on what is not YAML, on repeated keys, and on
-/// documents too large or too deep to be a configuration. A first line `%YAML:1.0` is accepted.
+/// Parses one YAML document. A first line `%YAML:1.0` (OpenCV) is accepted. Throws InputError
+/// "file:line:column: ..." on invalid YAML, duplicate keys, and excessive size or depth.
 [[nodiscard]] ConfigNode parse_yaml(const std::string& text, const std::string& origin,
                                     const std::filesystem::path& base_folder);
 
-/// Throws InputError also where the file cannot be read or is empty.
+/// Parses a file. Also throws InputError if it is unreadable, empty or binary.
 [[nodiscard]] ConfigNode read_yaml(const std::filesystem::path& file);
 
-/// Lays `key.path=value` of the command line over the document. The value is read as YAML where it
-/// begins with [ or {, else it is one scalar. Relative paths in it count from the current folder.
+/// Sets `key.path=value` in the document. The value is YAML if it begins with [ or {, else a
+/// scalar. Relative paths in it are relative to the current folder. Throws InputError without `=`
+/// or key.
 void apply_override(ConfigNode& root, const std::string& assignment);
 
-/// A configuration file under the command line's key=value's; without a file these alone.
+/// Configuration file with overrides `key.path=value`; without a file, the overrides alone. Prints
+/// a notice for each key that has been renamed (io/config/renamed_keys.hpp).
 [[nodiscard]] ConfigNode read_config(const std::optional<std::filesystem::path>& file,
                                      const std::vector<std::string>& overrides);
+
+/// File with one section of a configuration, such as a plant file (`prefix` "plant.").
+[[nodiscard]] ConfigNode read_config_section(const std::filesystem::path& file,
+                                             std::string_view prefix);
 
 }  // namespace stillkite

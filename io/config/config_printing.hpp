@@ -6,8 +6,8 @@
 
 namespace stillkite {
 
-/// The `field` that `Config::fields` is called with to print: one line a key, its help, range and
-/// names as a comment.
+/// Visitor for `Config::fields` that prints one line per key; the comment holds description, range
+/// and enum names.
 class FieldPrinter {
  public:
   FieldPrinter(std::string& out, std::string indent) : out_(out), indent_(std::move(indent)) {}
@@ -22,7 +22,7 @@ class FieldPrinter {
       if (value.has_value()) return (*this)(name, *value, range, help);
       using Inner = typename T::value_type;
       out_ += fmt::format("{}{}: null  # {}{}\n", indent_, name, help, limits<Inner>(range));
-      // the keys of a group that is not there, as a pattern to fill in
+      // template of the absent group, commented out
       if constexpr (ListsFields<Inner>) {
         const Inner pattern;
         Inner::fields(pattern, FieldPrinter(out_, indent_ + "#  "));
@@ -65,7 +65,7 @@ class FieldPrinter {
   std::string indent_;
 };
 
-/// The configuration as YAML that reads back as the same values.
+/// Configuration as YAML; parsing it returns the same values.
 template <ListsFields Config>
 [[nodiscard]] std::string print_config(const Config& config) {
   std::string out;

@@ -16,13 +16,13 @@ using Kind = ConfigNode::Kind;
 
 void require_scalar(const ConfigNode& node, const std::string& key, const char* wanted) {
   if (node.kind == Kind::scalar) return;
-  const char* found = node.kind == Kind::null   ? "nothing is given"
-                      : node.kind == Kind::list ? "a list is given"
-                                                : "a group of keys is given";
-  reject_value(node, key, fmt::format("{}, {} is needed", found, wanted));
+  const char* found = node.kind == Kind::null   ? "null"
+                      : node.kind == Kind::list ? "a list"
+                                                : "a group of keys";
+  reject_value(node, key, fmt::format("expected {}, found {}", wanted, found));
 }
 
-// Numbers only as from_chars reads them, plus a leading plus sign.
+// std::from_chars, with an optional leading plus sign.
 template <typename Number>
 bool parse_all(std::string_view text, Number& value) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
@@ -34,7 +34,7 @@ void require_in_range(const ConfigNode& node, const std::string& key, const Rang
                       double value) {
   if (range.contains(value)) return;
   reject_value(node, key,
-               fmt::format("{} is out of range, allowed is {}", node.text, print_range(range)));
+               fmt::format("{} is out of range, allowed: {}", node.text, print_range(range)));
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -72,10 +72,10 @@ bool read_flag(const ConfigNode& node, const std::string& key) {
 }
 
 long long read_integer(const ConfigNode& node, const std::string& key, const Range& range) {
-  require_scalar(node, key, "a whole number");
+  require_scalar(node, key, "an integer");
   long long value = 0;
   if (node.quoted || !parse_all(node.text, value)) {
-    reject_value(node, key, fmt::format("'{}' is not a whole number", node.text));
+    reject_value(node, key, fmt::format("'{}' is not an integer", node.text));
   }
   require_in_range(node, key, range, static_cast<double>(value));
   return value;
@@ -92,7 +92,7 @@ double read_number(const ConfigNode& node, const std::string& key, const Range& 
 }
 
 std::string read_string(const ConfigNode& node, const std::string& key) {
-  require_scalar(node, key, "a text");
+  require_scalar(node, key, "a string");
   return node.text;
 }
 
@@ -106,9 +106,10 @@ std::vector<double> read_numbers(const ConfigNode& node, const std::string& key,
                                  std::size_t size) {
   const std::string wanted =
       size == kAnySize ? "a list of numbers" : fmt::format("a list of {} numbers", size);
-  if (node.kind != Kind::list) reject_value(node, key, wanted + " such as [1, 2] is needed");
+  if (node.kind != Kind::list)
+    reject_value(node, key, "expected " + wanted + ", for example [1, 2]");
   if (size != kAnySize && node.items.size() != size) {
-    reject_value(node, key, fmt::format("{} is needed, {} are given", wanted, node.items.size()));
+    reject_value(node, key, fmt::format("expected {}, found {}", wanted, node.items.size()));
   }
   std::vector<double> values;
   for (const ConfigNode& item : node.items) values.push_back(read_number(item, key, range));
@@ -117,7 +118,7 @@ std::vector<double> read_numbers(const ConfigNode& node, const std::string& key,
 
 std::size_t read_choice(const ConfigNode& node, const std::string& key,
                         std::span<const std::string_view> names) {
-  require_scalar(node, key, "one of the names");
+  require_scalar(node, key, "one of its names");
   const auto at = std::find(names.begin(), names.end(), node.text);
   if (at == names.end()) {
     reject_value(node, key,
@@ -133,7 +134,7 @@ void reject_unknown_keys(const ConfigNode& map, const std::string& prefix,
   const std::string group = prefix.substr(0, prefix.size() - (prefix.empty() ? 0 : 1));
   if (map.kind != Kind::map) {
     reject_value(map, group.empty() ? "the document" : group,
-                 fmt::format("a group of keys is needed: {}", fmt::join(known, ", ")));
+                 fmt::format("expected a group of keys: {}", fmt::join(known, ", ")));
   }
   for (const auto& [key, value] : map.entries) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
@@ -145,7 +146,7 @@ void reject_unknown_keys(const ConfigNode& map, const std::string& prefix,
 
 std::string_view nearest_name(std::string_view word, std::span<const std::string_view> known) {
   std::string_view best;
-  // a third of the letters wrong is another word; the bound also keeps long rubbish cheap
+  // distance below a third of the word; the length limit bounds the cost of long input
   std::size_t least = std::min<std::size_t>(std::max<std::size_t>(2, word.size() / 3), 8) + 1;
   if (word.size() > 100) return best;
   for (const std::string_view name : known) {
@@ -163,14 +164,14 @@ std::string print_number(double value) {
 }
 
 std::string print_text(std::string_view text) {
-  const auto plain = [](char c) {
+  const auto is_plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' ||
            c == '_' || c == '.' || c == '-' || c == '+';
   };
-  const bool starts_plain = !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') ||
+  const bool begins_plain = !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') ||
                                               (text[0] >= 'A' && text[0] <= 'Z') || text[0] == '/');
-  if (starts_plain && text != "null" && text != "true" && text != "false" &&
-      std::all_of(text.begin(), text.end(), plain)) {
+  if (begins_plain && text != "null" && text != "true" && text != "false" &&
+      std::all_of(text.begin(), text.end(), is_plain)) {
     return std::string(text);
   }
   std::string quoted = "\"";
@@ -187,11 +188,11 @@ std::string print_text(std::string_view text) {
 }
 
 std::string print_range(const Range& range) {
-  const bool below = std::isinf(range.min);
-  const bool above = std::isinf(range.max);
-  if (below && above) return "";
-  return fmt::format("{}{}, {}{}", below || range.open_min ? '(' : '[', range.min, range.max,
-                     above ? ')' : ']');
+  const bool unbounded_below = std::isinf(range.min);
+  const bool unbounded_above = std::isinf(range.max);
+  if (unbounded_below && unbounded_above) return "";
+  return fmt::format("{}{}, {}{}", unbounded_below || range.open_min ? '(' : '[', range.min,
+                     range.max, unbounded_above ? ')' : ']');
 }
 
 }  // namespace stillkite

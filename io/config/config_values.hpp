@@ -12,8 +12,8 @@
 
 namespace stillkite {
 
-// Single values of a configuration, read and printed. `key` is the full dotted path, for messages;
-// every reader throws InputError "where: key: problem".
+// Readers and printers of single configuration values. `key` is the full dotted path. Every reader
+// throws InputError "file:line:column: key: problem".
 
 [[noreturn]] void reject_value(const ConfigNode& node, const std::string& key,
                                const std::string& problem);
@@ -26,30 +26,30 @@ namespace stillkite {
 [[nodiscard]] std::string read_string(const ConfigNode& node, const std::string& key);
 [[nodiscard]] std::filesystem::path read_path(const ConfigNode& node, const std::string& key);
 
-/// Any number of them, or exactly `size`.
+/// List of any length, or of exactly `size` numbers.
 inline constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max();
 [[nodiscard]] std::vector<double> read_numbers(const ConfigNode& node, const std::string& key,
                                                const Range& range, std::size_t size = kAnySize);
 
-/// Index of the scalar among the names.
+/// Index of the scalar in `names`.
 [[nodiscard]] std::size_t read_choice(const ConfigNode& node, const std::string& key,
                                       std::span<const std::string_view> names);
 
-/// Throws if the map has a key that is not known; names the nearest known one.
+/// Throws InputError if the map has a key that is not in `known`; suggests the nearest one.
 void reject_unknown_keys(const ConfigNode& map, const std::string& prefix,
                          std::span<const std::string_view> known);
 
-/// The name among `known` that `word` was probably meant to be; empty if none is near.
+/// Name with the smallest edit distance to `word`; empty if none is closer than a third of it.
 [[nodiscard]] std::string_view nearest_name(std::string_view word,
                                             std::span<const std::string_view> known);
 
-/// Shortest text that reads back as the same number.
+/// Shortest text that parses to the same number.
 [[nodiscard]] std::string print_number(double value);
 
-/// The text as YAML, quoted where it must be.
+/// Text as a YAML scalar, quoted if required.
 [[nodiscard]] std::string print_text(std::string_view text);
 
-/// "[0, 1]", "(0, inf)", or nothing for any number.
+/// "[0, 1]", "(0, inf)"; empty for an unbounded range.
 [[nodiscard]] std::string print_range(const Range& range);
 
 }  // namespace stillkite

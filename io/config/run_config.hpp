@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "io/config/camera_config.hpp"
+#include "io/config/input_config.hpp"
 #include "io/config/shadow_config.hpp"
 #include "io/config/source_config.hpp"
-#include "io/config/start_config.hpp"
 #include "navigation/navigator_config.hpp"
 #include "stabilization/hold_config.hpp"
 
@@ -19,11 +19,11 @@ struct OutputConfig {
 
   static void fields(auto& self, auto&& field) {
     field("overlay", self.overlay,
-          "overlay.mp4: what was seen and concluded, drawn over the frames");
+          "write overlay.mp4: flow, horizon, velocity and verdict drawn over the frames");
   }
 };
 
-/// All that `stillkite run` can be told.
+/// Configuration of `stillkite run`.
 struct RunConfig {
   SourceConfig source;
   CalibrationConfig calibration;
@@ -47,30 +47,32 @@ struct RunConfig {
 
   static void fields(auto& self, auto&& field) {
     field("source", self.source, "the images");
-    field("calibration", self.calibration, "the lens");
-    field("mount", self.mount, "the camera in the body");
-    field("truth", self.truth, "what the answer is compared with");
-    field("initial", self.initial, "where the flight starts");
-    field("height", self.height, "another sensor's height");
-    field("gyro", self.gyro, "angular rates of the body, rad/s: wx, wy, wz (EuRoC's imu0 too)");
-    field("imu", self.imu,
-          "instead of gyro, for the fusion: angular rates and specific forces of the body, m/s^2: "
-          "wx, wy, wz, ax, ay, az (EuRoC's imu0)");
-    field("attitude", self.attitude, "world from body: qw, qx, qy, qz");
+    field("calibration", self.calibration, "camera intrinsics and mask");
+    field("mount", self.mount, "camera extrinsics: body from camera");
+    field("truth", self.truth, "ground truth for the evaluation");
+    field("initial", self.initial, "initial pose and height");
+    field("height", self.height, "height sensor");
+    field("gyro", self.gyro, "angular rate in the body, rad/s: wx, wy, wz (or EuRoC imu0)");
+    field(
+        "imu", self.imu,
+        "IMU for the fusion, replaces gyro: angular rate, rad/s, and specific force, m/s^2, in the "
+        "body: wx, wy, wz, ax, ay, az (EuRoC imu0)");
+    field("attitude", self.attitude, "attitude log, quaternion world from body: qw, qx, qy, qz");
     field("acceleration", self.acceleration,
-          "a(t) of the flow paper: ax, ay, az in the world, m/s^2 [, angular in the body]");
-    field("estimator", self.estimator, "how the motion is found");
-    field("navigator", self.navigator, "the flow navigator");
-    field("reference", self.navigator.reference, "the reference estimator");
-    field("choice", self.navigator.choice, "of either estimator's answer, frame by frame");
-    field("fusion", self.navigator.fusion, "both estimators in one filter");
-    field("shadow", self.shadow, "the controller beside the recording");
-    field("hold", self.hold, "the controller");
-    field("output", self.output, "files beside the estimates");
+          "a(t) of the flow paper: linear acceleration ax, ay, az in the world, m/s^2 [, angular "
+          "acceleration in the body, rad/s^2]");
+    field("estimator", self.estimator, "estimator selection");
+    field("navigator", self.navigator, "flow navigator");
+    field("reference", self.navigator.reference, "relative pose to a reference image");
+    field("choice", self.navigator.choice, "selection between flow and reference for each frame");
+    field("fusion", self.navigator.fusion, "visual-inertial filter of flow and reference");
+    field("shadow", self.shadow, "controller in shadow mode: computes commands, none is flown");
+    field("hold", self.hold, "hold controller");
+    field("output", self.output, "additional output files");
   }
 };
 
-/// The configuration of a file (none: the defaults) under the command line's key=value's.
+/// Configuration of a file (without one: the defaults) with overrides `key.path=value`.
 [[nodiscard]] RunConfig load_run_config(const std::optional<std::filesystem::path>& file,
                                         const std::vector<std::string>& overrides);
 

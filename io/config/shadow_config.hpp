@@ -8,7 +8,7 @@
 
 namespace stillkite {
 
-/// A tether that a recording does not have: taut, and always the same.
+/// Constant state of a taut tether, for recordings without one.
 struct NominalTetherConfig {
   double length_m = 5;
   double elevation_deg = 45;
@@ -19,24 +19,25 @@ struct NominalTetherConfig {
   }
 
   static void fields(auto& self, auto&& field) {
-    field("length_m", self.length_m, Range{0.1, 1000}, "from the station to the drone");
+    field("length_m", self.length_m, Range{0.1, 1000},
+          "tether length from the station to the drone");
     field("elevation_deg", self.elevation_deg, Range{0, 180},
-          "over the station's level; near 90 the azimuth moves nothing");
+          "elevation above the station's horizontal plane; near 90 the azimuth has no effect");
     field("azimuth_deg", self.azimuth_deg, Range{-180, 180},
-          "from the heading of the first frame, left is +");
+          "azimuth relative to the heading of the first frame, positive left");
   }
 };
 
-/// The controller beside a recording: it commands, nothing is flown.
+/// Controller in shadow mode: computes commands for a recording; none is flown.
 struct ShadowConfig {
   std::optional<bool> enabled;
   NominalTetherConfig tether;
 
   static void fields(auto& self, auto&& field) {
     field("enabled", self.enabled,
-          "the controller says in commands.csv what it would command; null: unless the policy is "
+          "write the controller's commands to commands.csv; null: true unless estimator.policy is "
           "flow");
-    field("tether", self.tether, "the tether that the drone is taken to hang on");
+    field("tether", self.tether, "nominal tether");
   }
 };
 

@@ -33,38 +33,41 @@ void set_distortion(Camera& camera, DistortionModel model, const ConfigNode& nod
                     const std::string& key, const std::vector<double>& given) {
   camera.distortion = model;
   if (model == DistortionModel::none) return;
-  if (const auto wrong = misfit(model, given.size())) reject_value(node, key, *wrong);
+  if (const auto wrong = coefficient_mismatch(model, given.size())) reject_value(node, key, *wrong);
   std::copy(given.begin(), given.end(), camera.coefficients.begin());
 }
 
-// {rows, cols, data}, as EuRoC and OpenCV write a matrix.
+// Matrix {rows, cols, data} of EuRoC and OpenCV.
 std::vector<double> read_matrix(const ConfigNode& node, const std::string& key) {
   const std::vector<double> data = read_numbers(require(node, "data"), key + ".data", kAny);
   const long long rows = read_integer(require(node, "rows"), key + ".rows", kPixels);
   const long long cols = read_integer(require(node, "cols"), key + ".cols", kPixels);
   if (std::ssize(data) != rows * cols) {
-    reject_value(node, key, fmt::format("{} numbers for {} x {}", data.size(), rows, cols));
+    reject_value(node, key,
+                 fmt::format("{} numbers for a {} x {} matrix", data.size(), rows, cols));
   }
   return data;
 }
 
 RigidTransform to_transform(const ConfigNode& node, const std::string& key,
                             const std::vector<double>& data) {
-  if (data.size() != 16) reject_value(node, key, "a matrix of 4 x 4 is needed");
+  if (data.size() != 16) reject_value(node, key, "expected a 4 x 4 matrix");
   const Eigen::Matrix4d T =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data.data());
   const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
-  const double skewness = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
+  const double orthonormality_error = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
   const bool is_last_row = (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-6;
-  if (!(skewness < 1e-3) || !(R.col(0).cross(R.col(1)).dot(R.col(2)) > 0) || !is_last_row) {
-    reject_value(node, key,
-                 "is no rigid transform: its rotation must be orthonormal and "
-                 "right-handed, its last row 0 0 0 1");
+  if (!(orthonormality_error < 1e-3) || !(R.col(0).cross(R.col(1)).dot(R.col(2)) > 0) ||
+      !is_last_row) {
+    reject_value(
+        node, key,
+        "not a rigid transform: the rotation must be orthonormal and right-handed, the last row "
+        "0 0 0 1");
   }
   return {Eigen::Quaterniond(R).normalized(), T.topRightCorner<3, 1>()};
 }
 
-// Kalibr writes a matrix as a list of rows.
+// Matrix of Kalibr: a list of rows.
 RigidTransform read_rows(const ConfigNode& node, const std::string& key) {
   std::vector<double> data;
   for (const ConfigNode& row : node.items) {
@@ -74,7 +77,7 @@ RigidTransform read_rows(const ConfigNode& node, const std::string& key) {
   return to_transform(node, key, data);
 }
 
-// What EuRoC and Kalibr share; they differ in the name of the coefficients.
+// Pinhole camera of EuRoC and Kalibr, which differ in the key of the coefficients.
 Camera read_pinhole(const ConfigNode& root, const std::string& prefix,
                     const std::string& coefficients_key) {
   constexpr auto kPinhole = std::to_array<std::string_view>({"pinhole"});
@@ -159,21 +162,21 @@ Calibration read_calibration(const ConfigNode& root) {
   } else {
     throw InputError(
         root.origin +
-        ": no camera calibration; known are EuRoC sensor.yaml (key intrinsics), Kalibr "
-        "camchain (cam0) and OpenCV (camera_matrix)");
+        ": no camera calibration; supported formats: EuRoC sensor.yaml (key intrinsics), Kalibr "
+        "camchain (cam0), OpenCV (camera_matrix)");
   }
   check_camera(out.camera, root.origin);
   return out;
 }
 
-std::optional<std::string> misfit(DistortionModel model, std::size_t n) {
+std::optional<std::string> coefficient_mismatch(DistortionModel model, std::size_t n) {
   if (model == DistortionModel::none) {
     if (n == 0) return std::nullopt;
-    return fmt::format("{} coefficients of no model; give distortion too", n);
+    return fmt::format("{} coefficients without a distortion model; set distortion", n);
   }
-  const bool is_fisheye = model == DistortionModel::equidistant;
-  if (n == 4 || (!is_fisheye && (n == 5 || n == 8))) return std::nullopt;
-  return fmt::format("{} coefficients, {} are needed for {}", n, is_fisheye ? "4" : "4, 5 or 8",
+  const bool is_equidistant = model == DistortionModel::equidistant;
+  if (n == 4 || (!is_equidistant && (n == 5 || n == 8))) return std::nullopt;
+  return fmt::format("{} coefficients, expected {} for {}", n, is_equidistant ? "4" : "4, 5 or 8",
                      name_of(model));
 }
 
@@ -181,24 +184,27 @@ void check_camera(const Camera& camera, const std::string& origin) {
   const auto require_that = [&](bool holds, const std::string& problem) {
     if (!holds) throw InputError(fmt::format("{}: {}", origin, problem));
   };
-  constexpr double kShortest_ratio = 0.1;
+  constexpr double kMinFocalRatio = 0.1;
   const auto [w, h] = std::pair<double, double>(camera.width_px, camera.height_px);
   require_that(w > 0 && h > 0, fmt::format("resolution {} x {} is not positive", w, h));
   require_that(camera.focal_x_px > 0 && camera.focal_y_px > 0 && camera.focal_x_px < 1e6 &&
                    camera.focal_y_px < 1e6,
                fmt::format("focal lengths {}, {} px must be positive (and below 1e6)",
                            camera.focal_x_px, camera.focal_y_px));
-  require_that(camera.focal_x_px > kShortest_ratio * w && camera.focal_y_px > kShortest_ratio * h,
-               fmt::format("focal lengths {}, {} px are below a tenth of the image, {} x {}: are "
-                           "they in pixels, and of this resolution?",
-                           camera.focal_x_px, camera.focal_y_px, w, h));
-  require_that(camera.centre_x_px >= 0 && camera.centre_x_px <= w && camera.centre_y_px >= 0 &&
-                   camera.centre_y_px <= h,
-               fmt::format("principal point {}, {} px is outside the image of {} x {}: is it of "
-                           "another resolution?",
-                           camera.centre_x_px, camera.centre_y_px, w, h));
+  require_that(
+      camera.focal_x_px > kMinFocalRatio * w && camera.focal_y_px > kMinFocalRatio * h,
+      fmt::format("focal lengths {}, {} px are below 10 % of the image size {} x {}; give them in "
+                  "pixels of this resolution",
+                  camera.focal_x_px, camera.focal_y_px, w, h));
+  require_that(
+      camera.centre_x_px >= 0 && camera.centre_x_px <= w && camera.centre_y_px >= 0 &&
+          camera.centre_y_px <= h,
+      fmt::format("principal point {}, {} px is outside the {} x {} image; give it in pixels of "
+                  "this resolution",
+                  camera.centre_x_px, camera.centre_y_px, w, h));
   for (const double c : camera.coefficients) {
-    require_that(std::abs(c) < 1e6, fmt::format("distortion coefficient {} is not usable", c));
+    require_that(std::abs(c) < 1e6,
+                 fmt::format("distortion coefficient {} must be finite and below 1e6", c));
   }
 }
 

@@ -16,7 +16,7 @@ namespace stillkite {
 namespace fs = std::filesystem;
 namespace {
 
-std::optional<fs::path> if_there(const fs::path& file) {
+std::optional<fs::path> if_exists(const fs::path& file) {
   return fs::is_regular_file(file) ? std::optional(file) : std::nullopt;
 }
 
@@ -33,7 +33,7 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-// frame2 before frame10: runs of digits compare by value, all else letter by letter.
+// Natural order: runs of digits compare by value (frame2 before frame10), other characters by code.
 bool in_natural_order(const std::string& a, const std::string& b) {
   std::size_t i = 0;
   std::size_t j = 0;
@@ -58,48 +58,48 @@ bool in_natural_order(const std::string& a, const std::string& b) {
   return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
 }
 
-// The last number in a file's name, and what is beside it.
+// Last number of a file name, and the name with `*` in its place.
 struct NumberedName {
-  std::string beside;
+  std::string pattern;
   std::int64_t number = 0;
 };
 
 std::optional<NumberedName> numbered(const std::string& name) {
-  constexpr std::size_t kMostDigits = 18;
+  constexpr std::size_t kMaxDigits = 18;
   std::size_t end = name.rfind('.');
   while (end > 0 && !is_digit(name[end - 1])) --end;
   std::size_t first = end;
   while (first > 0 && is_digit(name[first - 1])) --first;
-  if (first == end || end - first > kMostDigits) return std::nullopt;
+  if (first == end || end - first > kMaxDigits) return std::nullopt;
   return NumberedName{name.substr(0, first) + '*' + name.substr(end),
                       std::stoll(name.substr(first, end - first))};
 }
 
-// Which image of a film each is: where their names differ in a number that counts in equal steps,
-// a step that is left out is an image that is missing; else one follows the other.
-std::vector<std::int64_t> places_in_film(const std::vector<std::string>& names) {
-  std::vector<std::int64_t> in_a_row(names.size());
-  std::iota(in_a_row.begin(), in_a_row.end(), 0);
+// Frame number of each image. If the names differ in a number with a common step, skipped steps are
+// missing images; else images are consecutive.
+std::vector<std::int64_t> frame_numbers(const std::vector<std::string>& names) {
+  std::vector<std::int64_t> consecutive(names.size());
+  std::iota(consecutive.begin(), consecutive.end(), 0);
   std::vector<std::int64_t> numbers;
-  std::string beside;
+  std::string pattern;
   for (const std::string& name : names) {
     const std::optional<NumberedName> found = numbered(name);
-    if (!found || (!beside.empty() && found->beside != beside)) return in_a_row;
-    beside = found->beside;
+    if (!found || (!pattern.empty() && found->pattern != pattern)) return consecutive;
+    pattern = found->pattern;
     numbers.push_back(found->number);
   }
   std::vector<std::int64_t> steps(numbers.size());
   std::adjacent_difference(numbers.begin(), numbers.end(), steps.begin());
   steps.front() = 0;
-  if (names.size() < 2) return in_a_row;
+  if (names.size() < 2) return consecutive;
   const std::int64_t step = *std::min_element(steps.begin() + 1, steps.end());
-  if (step <= 0) return in_a_row;
-  const bool counts =
-      std::all_of(steps.begin(), steps.end(), [step](std::int64_t by) { return by % step == 0; });
-  // so few images of so long a film are none
-  constexpr std::int64_t kMostPerImage = 10;
-  const std::int64_t last_place = (numbers.back() - numbers.front()) / step;
-  if (!counts || last_place > kMostPerImage * std::ssize(names)) return in_a_row;
+  if (step <= 0) return consecutive;
+  const bool has_common_step =
+      std::all_of(steps.begin(), steps.end(), [step](std::int64_t s) { return s % step == 0; });
+  // sparser numbers are no frame count
+  constexpr std::int64_t kMaxStepsPerImage = 10;
+  const std::int64_t last_number = (numbers.back() - numbers.front()) / step;
+  if (!has_common_step || last_number > kMaxStepsPerImage * std::ssize(names)) return consecutive;
   const std::int64_t first = numbers.front();
   for (std::int64_t& number : numbers) number = (number - first) / step;
   return numbers;
@@ -116,13 +116,13 @@ std::optional<EurocDataset> find_euroc_dataset(const fs::path& folder) {
   } else if (!fs::exists(folder / "data.csv") || !fs::is_directory(folder / "data")) {
     return std::nullopt;
   }
-  // absolute first: the parent of "." is nothing
+  // the parent of "." is empty, so make the path absolute first
   const fs::path mav0 = fs::absolute(cam0 / "..").lexically_normal().parent_path();
-  std::optional<fs::path> twists = if_there(mav0.parent_path() / "velocity.csv");
-  if (!twists) twists = if_there(mav0 / "velocity.csv");
+  std::optional<fs::path> twists = if_exists(mav0.parent_path() / "velocity.csv");
+  if (!twists) twists = if_exists(mav0 / "velocity.csv");
   return EurocDataset{.images_csv = cam0 / "data.csv",
-                      .calibration = if_there(cam0 / "sensor.yaml"),
-                      .truth = if_there(mav0 / "state_groundtruth_estimate0/data.csv"),
+                      .calibration = if_exists(cam0 / "sensor.yaml"),
+                      .truth = if_exists(mav0 / "state_groundtruth_estimate0/data.csv"),
                       .camera_twists = twists};
 }
 
@@ -133,19 +133,19 @@ std::vector<StampedImage> read_image_list(const fs::path& images_csv) {
     const Timestamp stamp = table.stamp();
     const fs::path file = images_csv.parent_path() / "data" / std::string(table.text(1));
     if (!fs::is_regular_file(file)) {
-      table.reject(fmt::format("the image {} is not there", file.string()));
+      table.reject(fmt::format("the image {} is missing", file.string()));
     }
     images.push_back({stamp, file});
   }
-  if (images.empty()) throw InputError(images_csv.string() + ": lists no image");
-  constexpr double kShortest_s = 1e-4;
+  if (images.empty()) throw InputError(images_csv.string() + ": no image listed");
+  constexpr double kMinInterval_s = 1e-4;
   const double mean_s = seconds_between(images.front().stamp, images.back().stamp) /
                         static_cast<double>(std::max<std::size_t>(1, images.size() - 1));
-  if (mean_s > 0 && mean_s < kShortest_s) {
-    throw InputError(fmt::format(
-        "{}: the images are {:.3g} ms apart; its stamps are to be nanoseconds, are they "
-        "microseconds?",
-        images_csv.string(), 1e3 * mean_s));
+  if (mean_s > 0 && mean_s < kMinInterval_s) {
+    throw InputError(
+        fmt::format("{}: the images are {:.3g} ms apart; time stamps must be nanoseconds, not "
+                    "microseconds",
+                    images_csv.string(), 1e3 * mean_s));
   }
   return images;
 }
@@ -159,14 +159,14 @@ std::vector<StampedImage> list_images(const fs::path& folder, double rate_hz) {
   }
   if (names.empty()) {
     throw InputError(folder.string() +
-                     ": holds no image (png, jpg, bmp, tif, pgm, ppm, webp) and no EuRoC data "
-                     "set (mav0/cam0/data.csv)");
+                     ": no image (png, jpg, bmp, tif, pgm, ppm, webp) and no EuRoC data set "
+                     "(mav0/cam0/data.csv) in this folder");
   }
   std::sort(names.begin(), names.end(), in_natural_order);
-  const std::vector<std::int64_t> places = places_in_film(names);
+  const std::vector<std::int64_t> numbers = frame_numbers(names);
   std::vector<StampedImage> images;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const double t_s = static_cast<double>(places[i]) / rate_hz;
+    const double t_s = static_cast<double>(numbers[i]) / rate_hz;
     images.push_back({from_seconds(t_s), folder / names[i]});
   }
   return images;

@@ -13,23 +13,23 @@ struct StampedImage {
   std::filesystem::path file;
 };
 
-/// The files of a recording in EuRoC ASL layout; what it does not have is empty.
+/// Files of a recording in EuRoC ASL layout; absent ones are nullopt.
 struct EurocDataset {
   std::filesystem::path images_csv;                    ///< mav0/cam0/data.csv
   std::optional<std::filesystem::path> calibration;    ///< mav0/cam0/sensor.yaml
   std::optional<std::filesystem::path> truth;          ///< state_groundtruth_estimate0/data.csv
-  std::optional<std::filesystem::path> camera_twists;  ///< velocity.csv beside mav0, or in it
+  std::optional<std::filesystem::path> camera_twists;  ///< velocity.csv next to mav0, or in it
 };
 
-/// The data set at a folder that is its root, its mav0 or its mav0/cam0; nothing at any other.
+/// Data set of a folder (its root, mav0 or mav0/cam0); nullopt for any other folder.
 [[nodiscard]] std::optional<EurocDataset> find_euroc_dataset(const std::filesystem::path& folder);
 
-/// The images that a cam0/data.csv lists, in data/ beside it. Throws InputError with file:line
-/// on stamps out of order and on images that are not there.
+/// Images listed in cam0/data.csv, in the folder data/ next to it. Throws InputError "file:line:
+/// ..." on stamps that do not increase and on missing images.
 [[nodiscard]] std::vector<StampedImage> read_image_list(const std::filesystem::path& images_csv);
 
-/// The images of a folder in the order of the numbers in their names, one every 1 / rate_hz; a
-/// number that is left out is an image that is missing. Throws InputError if there are none.
+/// Images of a folder in the order of the numbers in their names, 1 / rate_hz apart. A skipped
+/// number is a missing image. Throws InputError if the folder has no image.
 [[nodiscard]] std::vector<StampedImage> list_images(const std::filesystem::path& folder,
                                                     double rate_hz);
 

@@ -13,23 +13,23 @@
 
 namespace stillkite {
 
-/// All that a run needs beside the images, read from the files that the configuration names.
+/// Inputs of a run in addition to the images.
 struct FlightInputs {
   Camera camera;
   RigidTransform body_from_camera;
-  std::shared_ptr<const ImageMask> mask;  ///< none: all of the image shows the world
+  std::shared_ptr<const ImageMask> mask;  ///< null: no mask
   InitialState initial;
   SensorLog sensors;
-  std::vector<StampedPose> truth;              ///< empty: there is none
-  std::vector<StampedTwist> twists_in_camera;  ///< of the truth; may be empty
+  std::vector<StampedPose> truth;  ///< world_from_body, ground at z = 0; empty without truth
+  std::vector<StampedTwist> twists_in_camera;  ///< of the truth, camera frame; may be empty
 };
 
-/// Throws InputError where a file is wrong, where the calibration is of another resolution than the
-/// first frame, or the mask is, where no calibration is found, and where the start is not
-/// determined.
+/// Reads the files of the configuration. Throws InputError on an invalid file, a missing
+/// calibration, a calibration or mask whose size differs from the first frame's, and an undefined
+/// initial state.
 [[nodiscard]] FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first);
 
-/// The files that the configuration names, and those that a truth's folder stands for.
+/// Input files of the configuration; a truth folder is replaced by its trajectory file.
 [[nodiscard]] std::vector<std::filesystem::path> named_files(const RunConfig& config);
 
 }  // namespace stillkite

@@ -9,17 +9,18 @@
 
 namespace stillkite {
 
-/// How the body has turned between two images, by what these alone show.
-struct SeenTurn {
+/// Rotation of the body between two frames, estimated from the images alone.
+struct ObservedRotation {
   Timestamp from;
   Timestamp to;
-  Eigen::Vector3d in_body_rad = Eigen::Vector3d::Zero();
+  /// Rotation vector.
+  Eigen::Vector3d rotation_in_body_rad = Eigen::Vector3d::Zero();
 };
 
-/// A sentence where the images turn otherwise than the gyroscope and something simple explains
-/// it: that it tells next to nothing, degrees for radians, other axes, or another clock. Nothing
-/// where the body hardly turned, or where neither explains it.
-[[nodiscard]] std::optional<std::string> doubt_of_gyro(const TimeSeries<Eigen::Vector3d>& gyro,
-                                                       std::span<const SeenTurn> seen);
+/// Message if gyroscope and image rotations disagree and one hypothesis explains it: no signal,
+/// degrees instead of radians, other axes, or a clock offset. Nullopt if the body hardly rotated or
+/// no hypothesis explains the disagreement.
+[[nodiscard]] std::optional<std::string> gyro_inconsistency(
+    const TimeSeries<Eigen::Vector3d>& gyro, std::span<const ObservedRotation> observed);
 
 }  // namespace stillkite

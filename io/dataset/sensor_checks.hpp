@@ -6,18 +6,18 @@
 
 #include "io/dataset/sensor_log.hpp"
 
-// Whether a log can be one of this flight.
+// Plausibility checks of sensor logs.
 
 namespace stillkite {
 
-/// Throws InputError where the specific forces are not those of a body that gravity pulls at: in
-/// other units, without gravity, or along axes that are not the body's (x forward, y left, z up),
-/// of which `world_from_body` tells where up is at the start.
+/// Throws InputError if the mean specific force is not within a factor of 3 of gravity (wrong unit,
+/// gravity removed), or if it points down in the body frame (x forward, y left, z up) within 1 s of
+/// `start`, given the initial attitude.
 void check_specific_forces(const TimeSeries<Vector6d>& imu, const std::string& key,
                            const Eigen::Quaterniond& world_from_body, Timestamp start);
 
-/// A sentence for each log that has nothing, or not all, to say of the flight between two stamps.
-[[nodiscard]] std::vector<std::string> uncovered_by_sensors(const SensorLog& log, Timestamp first,
-                                                            Timestamp last);
+/// One message for each log that covers less than 90 % of the flight between two stamps.
+[[nodiscard]] std::vector<std::string> coverage_warnings(const SensorLog& log, Timestamp first,
+                                                         Timestamp last);
 
 }  // namespace stillkite

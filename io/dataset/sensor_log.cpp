@@ -34,13 +34,13 @@ std::optional<Value> value_at(const TimeSeries<Value>& series, Timestamp stamp) 
   if (*after == stamp) return series.values[i];
   if (i == 0) return std::nullopt;
   const double gap_s = seconds_between(series.stamps[i - 1], *after);
-  if (gap_s > kLongestGap_s) return std::nullopt;
+  if (gap_s > kMaxGap_s) return std::nullopt;
   const double ratio = seconds_between(series.stamps[i - 1], stamp) / gap_s;
   return between(series.values[i - 1], series.values[i], ratio);
 }
 
-// A reading counts once, however many frames lie between it and the next; where the next is too
-// far to lie on a line with, as it is if it is fresh.
+// Each reading is used once, at the first frame after it. Without interpolation (gap) the reading
+// itself is returned up to kMaxReadingAge_s.
 template <typename Value>
 std::optional<Value> new_value_at(const TimeSeries<Value>& series, Timestamp before,
                                   Timestamp now) {
@@ -50,7 +50,7 @@ std::optional<Value> new_value_at(const TimeSeries<Value>& series, Timestamp bef
   const Timestamp last = *(after - 1);
   if (last <= before) return std::nullopt;
   std::optional<Value> value = value_at(series, now);
-  if (!value && seconds_between(last, now) <= kFresh_s) {
+  if (!value && seconds_between(last, now) <= kMaxReadingAge_s) {
     value = series.values[static_cast<std::size_t>(after - series.stamps.begin()) - 1];
   }
   return value;
@@ -71,7 +71,7 @@ std::optional<Eigen::Vector3d> mean_between(const TimeSeries<Eigen::Vector3d>& s
   };
   auto inside = std::upper_bound(series.stamps.begin(), series.stamps.end(), from);
   for (; *inside < to; ++inside) {
-    if (seconds_between(at, *inside) > kLongestGap_s) return std::nullopt;
+    if (seconds_between(at, *inside) > kMaxGap_s) return std::nullopt;
     step_to(*inside, series.values[static_cast<std::size_t>(inside - series.stamps.begin())]);
   }
   step_to(to, *last);
@@ -84,7 +84,7 @@ std::vector<InertialReading> inertial_between(const TimeSeries<Vector6d>& series
   Timestamp at = from;
   std::optional<Vector6d> value = value_at(series, from);
   const auto step_to = [&](Timestamp next, const Vector6d& next_value) {
-    if (value && seconds_between(at, next) <= kLongestGap_s) {
+    if (value && seconds_between(at, next) <= kMaxGap_s) {
       const Vector6d mean = 0.5 * (*value + next_value);
       readings.push_back({.stamp = next,
                           .angular_rate_in_body_rad_s = mean.head<3>(),
@@ -103,11 +103,11 @@ std::vector<InertialReading> inertial_between(const TimeSeries<Vector6d>& series
   return readings;
 }
 
-// What no gyroscope and no accelerometer of a drone tells: other units, or a damaged row.
+// Plausible ranges; values outside are in another unit or damaged.
 constexpr Range kRates_rad_s{-100, 100};
 constexpr Range kForces_m_s2{-2000, 2000};
 
-// Angular rates come first. Named otherwise (ax, acc_x, linear_acceleration.x) these are others.
+// Rejects tables whose first columns are accelerations by name (ax, acc_x, linear_acceleration.x).
 Eigen::Vector3d rates_at(const TableReader& row) {
   std::string name(row.name(1));
   std::transform(name.begin(), name.end(), name.begin(),
@@ -117,14 +117,14 @@ Eigen::Vector3d rates_at(const TableReader& row) {
                         name.find("linear") != std::string::npos;
   if (is_force) {
     row.reject(fmt::format(
-        "column '{}' stands where an angular rate must: after the stamp come wx, wy, wz in rad/s, "
-        "then ax, ay, az in m/s^2",
+        "column '{}' must be an angular rate; column order: time stamp, wx, wy, wz in rad/s, "
+        "ax, ay, az in m/s^2",
         row.name(1)));
   }
   return vector_at(row, 1, kRates_rad_s);
 }
 
-// Rows of a stamp and what `read_row` makes of the cells after it.
+// Series of (stamp, read_row(row)).
 template <typename Value, typename ReadRow>
 TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t columns,
                               std::vector<Unit> units, const ReadRow& read_row) {
@@ -134,7 +134,7 @@ TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t col
     series.stamps.push_back(table.stamp());
     series.values.push_back(read_row(table));
   }
-  if (series.stamps.empty()) throw InputError(file.string() + ": has no row of data");
+  if (series.stamps.empty()) throw InputError(file.string() + ": no data row");
   return series;
 }
 
@@ -170,7 +170,8 @@ TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
       [](const TableReader& row) {
         if (row.name(1).starts_with('w')) {
           row.reject(fmt::format(
-              "column '{}' is an angular rate; accelerations come first: ax, ay, az", row.name(1)));
+              "column '{}' is an angular rate; column order: ax, ay, az [, angular acceleration]",
+              row.name(1)));
         }
         Vector6d value = Vector6d::Zero();
         value.head<3>() = vector_at(row, 1);
@@ -188,19 +189,19 @@ TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
                                });
 }
 
-TimeSeries<Vector6d> without_leaps(const TimeSeries<Vector6d>& imu) {
-  constexpr double kLeap_rad_s = 10, kLeap_m_s2 = 80;
-  const auto leaps_from = [&](const Vector6d& value, const Vector6d& neighbour) {
-    const Vector6d by = value - neighbour;
-    return by.head<3>().norm() > kLeap_rad_s || by.tail<3>().norm() > kLeap_m_s2;
+TimeSeries<Vector6d> reject_imu_outliers(const TimeSeries<Vector6d>& imu) {
+  constexpr double kMaxJump_rad_s = 10, kMaxJump_m_s2 = 80;
+  const auto jumps_from = [&](const Vector6d& value, const Vector6d& neighbour) {
+    const Vector6d jump = value - neighbour;
+    return jump.head<3>().norm() > kMaxJump_rad_s || jump.tail<3>().norm() > kMaxJump_m_s2;
   };
   TimeSeries<Vector6d> out;
   const std::size_t n = imu.values.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vector6d& value = imu.values[i];
-    const bool leaps = i > 0 && i + 1 < n && leaps_from(value, imu.values[i - 1]) &&
-                       leaps_from(value, imu.values[i + 1]);
-    if (leaps || value.isZero(0)) continue;
+    const bool is_spike = i > 0 && i + 1 < n && jumps_from(value, imu.values[i - 1]) &&
+                          jumps_from(value, imu.values[i + 1]);
+    if (is_spike || value.isZero(0)) continue;
     out.stamps.push_back(imu.stamps[i]);
     out.values.push_back(value);
   }

@@ -8,7 +8,7 @@
 namespace stillkite {
 namespace {
 
-// Digits of a decimal number without its point, and the power of ten of the last one.
+// Value = digits * 10^exponent.
 struct Decimal {
   bool negative = false;
   std::string digits;
@@ -67,7 +67,7 @@ std::optional<Timestamp> parse_stamp(std::string_view text, int unit_exponent) {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc()) return std::nullopt;
   }
-  // far below the largest integer, so that differences of stamps fit too
+  // a quarter of the range, so that differences of stamps do not overflow
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max() / 4;
   if (value > kMax) return std::nullopt;
   value += round_up ? 1 : 0;

@@ -18,9 +18,9 @@ std::vector<Unit> units_of_vectors(Unit first, Unit second) {
 Eigen::Quaterniond quaternion_at(const TableReader& table, std::size_t w, std::size_t xyz) {
   const Eigen::Vector3d v = vector_at(table, xyz);
   const Eigen::Quaterniond q(table.number(w), v.x(), v.y(), v.z());
-  // files print six digits or more; anything further off is another column
+  // a norm error above 1 % means another column, not rounding
   if (!(std::abs(q.norm() - 1.0) < 0.01)) {
-    table.reject(fmt::format("the quaternion's length is {:.4g}, it must be 1", q.norm()));
+    table.reject(fmt::format("the quaternion norm is {:.4g}, must be 1", q.norm()));
   }
   return q.normalized();
 }

@@ -7,14 +7,14 @@
 
 namespace stillkite {
 
-/// Three neighbouring cells of the row, each in the range.
+/// Vector in three adjacent cells of the row; throws InputError if a value is out of range.
 [[nodiscard]] Eigen::Vector3d vector_at(const TableReader& table, std::size_t column,
                                         const Range& range = kAny);
 
-/// Of three columns each.
+/// Units of two vectors, three columns each.
 [[nodiscard]] std::vector<Unit> units_of_vectors(Unit first, Unit second);
 
-/// Four cells of the row, w in its own column; throws InputError unless its length is 1.
+/// Normalized quaternion of four cells; throws InputError if the norm differs from 1 by over 1 %.
 [[nodiscard]] Eigen::Quaterniond quaternion_at(const TableReader& table, std::size_t w,
                                                std::size_t xyz);
 

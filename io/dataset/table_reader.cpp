@@ -20,7 +20,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-// What may stand in a data cell, wrong or not: a number, or the words for what is none.
+// A number, or a word for a missing one; a header cell is neither.
 bool looks_like_data(std::string_view cell) {
   if (cell.empty()) return true;
   const auto c = static_cast<unsigned char>(cell[0]);
@@ -31,7 +31,7 @@ bool looks_like_data(std::string_view cell) {
   return lower == "nan" || lower == "inf" || lower == "null" || lower == "none";
 }
 
-std::string shown(std::string_view cell) {
+std::string abbreviated(std::string_view cell) {
   constexpr std::size_t kMax = 40;
   return cell.size() <= kMax ? std::string(cell) : std::string(cell.substr(0, kMax)) + "...";
 }
@@ -55,26 +55,26 @@ bool TableReader::next() {
     if (++line_ == 1 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
     if (line.empty()) continue;
     if (line[0] == '#') {
-      if (!in_rows_) take_names(line.substr(1));
+      if (!in_rows_) parse_names(line.substr(1));
       continue;
     }
     split(line);
     if (!in_rows_ && !looks_like_data(cells_[0])) {
-      take_names(line);
+      parse_names(line);
       in_rows_ = true;
       continue;
     }
     in_rows_ = true;
     if (!std::exchange(units_are_checked_, true)) check_units();
     if (cells_.size() < min_columns_) {
-      reject(fmt::format("{} columns, at least {} separated by {} are needed", cells_.size(),
+      reject(fmt::format("{} columns, expected at least {} separated by {}", cells_.size(),
                          min_columns_, separator_ == Separator::comma ? "commas" : "blanks"));
     }
-    // a comment is no line of names; a comma at the end is no cell
+    // a comment with few names is not a header; a trailing comma adds no cell
     const std::size_t filled = cells_.size() - (cells_.back().empty() ? 1 : 0);
     if (names_.size() >= min_columns_ && filled > names_.size()) {
-      reject(fmt::format("{} columns, but the first line names {}; a decimal point is no comma",
-                         filled, names_.size()));
+      reject(fmt::format("{} columns, but the header names {}; do not use decimal commas", filled,
+                         names_.size()));
     }
     return true;
   }
@@ -83,19 +83,19 @@ bool TableReader::next() {
 
 Timestamp TableReader::stamp() {
   const std::optional<Timestamp> stamp = parse_stamp(cells_[0], unit_exponent_);
-  if (!stamp) reject(fmt::format("'{}' is no time stamp", shown(cells_[0])));
+  if (!stamp) reject(fmt::format("'{}' is not a time stamp", abbreviated(cells_[0])));
   const std::size_t point = cells_[0].find('.');
   if (unit_exponent_ == 0 && point != std::string_view::npos &&
       cells_[0].find_first_not_of('0', point + 1) != std::string_view::npos) {
     reject(
-        fmt::format("stamp '{}' is not whole nanoseconds; for seconds name the column "
-                    "'timestamp [s]' in the first line",
-                    shown(cells_[0])));
+        fmt::format("time stamp '{}' is not an integer of nanoseconds; for seconds name the column "
+                    "'timestamp [s]' in the header",
+                    abbreviated(cells_[0])));
   }
   if (last_stamp_ && *stamp <= *last_stamp_) {
-    reject(fmt::format("stamp {} {} line {}; sort the file and drop repeats", shown(cells_[0]),
-                       *stamp == *last_stamp_ ? "repeats that of" : "is before that of",
-                       last_stamp_line_));
+    reject(fmt::format(
+        "time stamp {} {} line {}; sort the file and remove duplicates", abbreviated(cells_[0]),
+        *stamp == *last_stamp_ ? "repeats that of" : "is earlier than that of", last_stamp_line_));
   }
   last_stamp_ = stamp;
   last_stamp_line_ = line_;
@@ -108,11 +108,11 @@ double TableReader::number(std::size_t column, const Range& range) const {
   double value = 0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
-    reject(fmt::format("{}: '{}' is not a finite number", column_name(column), shown(cell)));
+    reject(fmt::format("{}: '{}' is not a finite number", column_name(column), abbreviated(cell)));
   }
   if (!range.contains(value)) {
-    reject(fmt::format("{}: {} is out of range, allowed is {}{}, {}]", column_name(column),
-                       shown(cell), range.open_min ? '(' : '[', range.min, range.max));
+    reject(fmt::format("{}: {} is out of range, allowed: {}{}, {}]", column_name(column),
+                       abbreviated(cell), range.open_min ? '(' : '[', range.min, range.max));
   }
   return value;
 }
@@ -121,7 +121,7 @@ void TableReader::reject(const std::string& problem) const {
   throw InputError(fmt::format("{}:{}: {}", file_, line_, problem));
 }
 
-void TableReader::take_names(std::string_view line) {
+void TableReader::parse_names(std::string_view line) {
   split(trimmed(line));
   names_line_ = line_;
   names_.assign(cells_.begin(), cells_.end());
@@ -146,17 +146,17 @@ void TableReader::check_units() const {
   if (separator_ == Separator::blank || names_.empty()) return;
   const std::string line = fmt::format("{}:{}", file_, names_line_);
   const Unit stamps = unit_in(names_[0]).value_or(Unit::nanosecond);
-  const bool is_read_so = unit_in_brackets(names_[0]) && stamps <= Unit::second;
-  if (stamps != Unit::nanosecond && !is_read_so) {
-    throw InputError(fmt::format(
-        "{}: column '{}': stamps are nanoseconds, or what the name ends in of [s], [ms] and [us]",
-        line, names_[0]));
+  const bool is_converted = unit_in_brackets(names_[0]) && stamps <= Unit::second;
+  if (stamps != Unit::nanosecond && !is_converted) {
+    throw InputError(
+        fmt::format("{}: column '{}': time stamps must be nanoseconds, or have the unit [s], [ms] "
+                    "or [us] in the name",
+                    line, names_[0]));
   }
   for (std::size_t i = 0; i < units_.size() && i + 1 < names_.size(); ++i) {
     if (unit_in(names_[i + 1]).value_or(units_[i]) == units_[i]) continue;
-    throw InputError(
-        fmt::format("{}: column '{}' must be in {}: convert it, or put the columns in order", line,
-                    names_[i + 1], symbol_of(units_[i])));
+    throw InputError(fmt::format("{}: column '{}' must be in {}; convert it or reorder the columns",
+                                 line, names_[i + 1], symbol_of(units_[i])));
   }
 }
 

@@ -14,29 +14,29 @@ namespace stillkite {
 
 enum class Separator { comma, blank };
 
-/// A text table with a stamp in its first column: EuRoC and telemetry CSV (comma), TUM (blank).
-/// Lines that begin with # are comments; one line of names may come first, bare or as a comment.
-/// Stamps are nanoseconds unless the first column's name has [s], [ms] or [us]; in a table that is
-/// separated by blanks they are seconds. Nothing else is converted: a column whose name gives
-/// another unit than it is read in is refused.
-/// Every problem is an InputError "file:line: column: problem".
+/// Text table with a time stamp in the first column: EuRoC and telemetry CSV (comma), TUM (blank).
+/// - Lines that begin with # are comments. A header line may come first, plain or as a comment.
+/// - Stamps are nanoseconds, unless the first column's name has [s], [ms] or [us]. In tables
+///   separated by blanks they are seconds.
+/// - Other columns are not converted: a unit in a column name must be the expected one.
+/// Errors are InputErrors "file:line: column: problem".
 class TableReader {
  public:
-  /// Reads the file; rows with fewer cells than `min_columns` are errors later. `units` are those
-  /// of the columns after the stamp.
+  /// Reads the file into memory. `min_columns`: required cells of a row, checked by next().
+  /// `units`: expected units of the columns after the stamp.
   TableReader(const std::filesystem::path& file, Separator separator, std::size_t min_columns,
               std::vector<Unit> units = {});
 
-  /// Moves to the next row; false at the end.
+  /// Advances to the next row; false at the end.
   [[nodiscard]] bool next();
 
-  /// The row's stamp; throws unless it is later than that of the row before.
+  /// Time stamp of the row; throws if it does not increase.
   [[nodiscard]] Timestamp stamp();
 
   [[nodiscard]] double number(std::size_t column, const Range& range = kAny) const;
   [[nodiscard]] std::string_view text(std::size_t column) const { return cells_[column]; }
   [[nodiscard]] std::size_t columns() const { return cells_.size(); }
-  /// As the file names it; empty where it does not.
+  /// Column name in the header; empty without one.
   [[nodiscard]] std::string_view name(std::size_t column) const {
     return column < names_.size() ? std::string_view(names_[column]) : std::string_view();
   }
@@ -45,7 +45,7 @@ class TableReader {
   [[noreturn]] void reject(const std::string& problem) const;
 
  private:
-  void take_names(std::string_view line);
+  void parse_names(std::string_view line);
   void check_units() const;
   void split(std::string_view line);
   [[nodiscard]] std::string column_name(std::size_t column) const;
@@ -54,24 +54,24 @@ class TableReader {
   std::string content_;
   Separator separator_;
   std::size_t min_columns_;
-  std::size_t at_ = 0;  // first character that is not read yet
+  std::size_t at_ = 0;  // read position in content_
   int line_ = 0;
   int names_line_ = 0;
   bool in_rows_ = false;
   bool units_are_checked_ = false;
   std::vector<Unit> units_;
   std::vector<std::string> names_;
-  int unit_exponent_;  // of ten, from the stamp's unit to nanoseconds
+  int unit_exponent_;  // stamp unit = 10^unit_exponent_ ns
   std::vector<std::string_view> cells_;
   std::optional<Timestamp> last_stamp_;
   int last_stamp_line_ = 0;
 };
 
-/// Exact nanoseconds of a decimal number in units of 10^unit_exponent ns; rounded where it has
-/// more digits. Nothing if the text is no number or does not fit.
+/// Time stamp of a decimal number in units of 10^unit_exponent ns, exact up to rounding to 1 ns.
+/// Nullopt if the text is not a number or out of range.
 [[nodiscard]] std::optional<Timestamp> parse_stamp(std::string_view text, int unit_exponent);
 
-/// Seconds with nine decimals; parse_stamp gives the same stamp again.
+/// Seconds with nine decimals; parse_stamp returns the same stamp.
 [[nodiscard]] std::string print_seconds(Timestamp stamp);
 
 }  // namespace stillkite

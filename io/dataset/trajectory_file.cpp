@@ -11,7 +11,7 @@ namespace stillkite {
 namespace fs = std::filesystem;
 namespace {
 
-// The first line that is no comment decides.
+// Separator of the first line that is not a comment.
 Separator separator_of(const fs::path& file) {
   const std::string text = read_text_file(file);
   std::size_t at = 0;
@@ -22,7 +22,7 @@ Separator separator_of(const fs::path& file) {
     if (line.empty() || line[0] == '#' || line[0] == '\r') continue;
     return line.find(',') != std::string_view::npos ? Separator::comma : Separator::blank;
   }
-  throw InputError(file.string() + ": has no row of data");
+  throw InputError(file.string() + ": no data row");
 }
 
 }  // namespace
@@ -37,8 +37,9 @@ std::optional<fs::path> find_trajectory(const fs::path& path) {
   }
   if (!fs::exists(path / "trajectory.tum")) return found;
   if (found) {
-    throw InputError(fmt::format("{}: holds a truth ({}) and a run's trajectory.tum; name one file",
-                                 path.string(), found->lexically_relative(path).string()));
+    throw InputError(
+        fmt::format("{}: contains both a truth ({}) and a run's trajectory.tum; give the file",
+                    path.string(), found->lexically_relative(path).string()));
   }
   return path / "trajectory.tum";
 }
@@ -47,8 +48,8 @@ std::vector<StampedPose> read_trajectory(const fs::path& path) {
   const std::optional<fs::path> file = find_trajectory(path);
   if (!file) {
     throw InputError(path.string() +
-                     ": no trajectory in this folder; it needs a data.csv (EuRoC)"
-                     " or a trajectory.tum");
+                     ": no trajectory in this folder; expected data.csv (EuRoC) or "
+                     "trajectory.tum");
   }
   const Separator separator = separator_of(*file);
   TableReader table(*file, separator, 8, std::vector(3, Unit::metre));
@@ -59,7 +60,7 @@ std::vector<StampedPose> read_trajectory(const fs::path& path) {
         separator == Separator::comma ? quaternion_at(table, 4, 5) : quaternion_at(table, 7, 4);
     poses.push_back({stamp, {rotation, vector_at(table, 1)}});
   }
-  if (poses.empty()) throw InputError(file->string() + ": has no row of data");
+  if (poses.empty()) throw InputError(file->string() + ": no data row");
   return poses;
 }
 

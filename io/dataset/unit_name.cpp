@@ -9,14 +9,14 @@
 namespace stillkite {
 namespace {
 
-// m s^-2, m·s⁻², M*S-2 are one.
-std::string plain(std::string_view text) {
+// Canonical spelling: m s^-2, m·s⁻², M*S-2 become ms-2.
+std::string canonical(std::string_view text) {
   std::string out;
   for (const char c : text) {
     if (std::string_view(" \t*^.").find(c) != std::string_view::npos) continue;
     out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
-  constexpr auto kPlain =
+  constexpr auto kReplacements =
       std::to_array<std::pair<std::string_view, std::string_view>>({{"\u00b2", "2"},
                                                                     {"\u207b", "-"},
                                                                     {"\u00b9", "1"},
@@ -24,7 +24,7 @@ std::string plain(std::string_view text) {
                                                                     {"\u00b5", "u"},
                                                                     {"\u03bc", "u"},
                                                                     {"\u00b0", "deg"}});
-  for (const auto& [from, to] : kPlain) {
+  for (const auto& [from, to] : kReplacements) {
     for (std::size_t at; (at = out.find(from)) != std::string::npos;) {
       out.replace(at, from.size(), to);
     }
@@ -54,22 +54,22 @@ constexpr auto kSpellings = std::to_array<std::pair<Unit, std::string_view>>(
       " deg degree degrees deg/s deg/sec degs-1 degree/s degrees/s dps mdps mdeg/s "
       "mrad/s rpm rad deg/s2 degs-2 "}});
 
-std::optional<Unit> unit_spelt(std::string_view text) {
-  const std::string wanted = ' ' + plain(text) + ' ';
+std::optional<Unit> parse_unit(std::string_view text) {
+  const std::string wanted = ' ' + canonical(text) + ' ';
   for (const auto& [unit, spellings] : kSpellings) {
     if (spellings.find(wanted) != std::string_view::npos) return unit;
   }
   return std::nullopt;
 }
 
-// height_cm, wx_deg_s; one letter alone may be anything.
+// Unit suffix such as height_cm, wx_deg_s. Single letters are ambiguous and ignored.
 std::optional<Unit> unit_after_underscore(std::string_view name) {
   for (std::size_t at; (at = name.find('_')) != std::string_view::npos;) {
     name.remove_prefix(at + 1);
     std::string ending(name);
     std::ranges::replace(ending, '_', '/');
     if (ending.size() < 2 || ending == "in") continue;
-    if (const std::optional<Unit> unit = unit_spelt(ending)) return unit;
+    if (const std::optional<Unit> unit = parse_unit(ending)) return unit;
   }
   return std::nullopt;
 }
@@ -87,7 +87,7 @@ std::optional<Unit> unit_in_brackets(std::string_view column_name) {
     const std::size_t open = column_name.find(brackets[0]);
     const std::size_t close = column_name.find(brackets[1], open);
     if (open == std::string_view::npos || close == std::string_view::npos) continue;
-    return unit_spelt(column_name.substr(open + 1, close - open - 1));
+    return parse_unit(column_name.substr(open + 1, close - open - 1));
   }
   return std::nullopt;
 }

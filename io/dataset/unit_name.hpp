@@ -5,7 +5,7 @@
 
 namespace stillkite {
 
-/// What tables are read in, and all that surely is none of these.
+/// Units of table columns; `other`: a known unit that no table is read in.
 enum class Unit {
   nanosecond,
   microsecond,
@@ -19,14 +19,14 @@ enum class Unit {
   other
 };
 
-/// As messages write it.
+/// Symbol for messages: "m/s^2".
 [[nodiscard]] std::string_view symbol_of(Unit unit);
 
-/// The unit that a column's name gives: `height [m]`, `height (m)`, `height_cm`, in whatever
-/// spelling. Nothing where it gives none, or none that is known.
+/// Unit in a column name: `height [m]`, `height (m)`, `height_cm`, in the common spellings. Nullopt
+/// without a known unit.
 [[nodiscard]] std::optional<Unit> unit_in(std::string_view column_name);
 
-/// The same, by brackets alone.
+/// Unit in the brackets of a column name; nullopt without brackets or known unit.
 [[nodiscard]] std::optional<Unit> unit_in_brackets(std::string_view column_name);
 
 }  // namespace stillkite

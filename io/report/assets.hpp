@@ -2,10 +2,10 @@
 
 #include <string_view>
 
-/// The files of this folder and the dygraphs library, compiled in (report.cmake).
+/// Files of this folder and the dygraphs library, embedded at build time (report.cmake).
 namespace stillkite::report_assets {
 
-extern const std::string_view kPage;  ///< what all reports have in common
+extern const std::string_view kPage;  ///< common page of all reports
 extern const std::string_view kDygraphs;
 extern const std::string_view kDygraphsStyle;
 

@@ -6,10 +6,10 @@
 
 namespace stillkite {
 
-/// RFC 4648, section 4, with padding.
+/// Base64 (RFC 4648, section 4), with padding.
 [[nodiscard]] std::string base64(std::span<const std::uint8_t> bytes);
 
-/// The same of IEEE floats, little-endian.
+/// Base64 of IEEE floats, little-endian.
 [[nodiscard]] std::string base64(std::span<const float> values);
 
 }  // namespace stillkite

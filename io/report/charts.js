@@ -1,37 +1,36 @@
-// Time charts that zoom and point together.
+// Time charts with common zoom and cursor.
 
 const charts = [];
 let timeWindow = null;  // null: the whole flight
-let pointed = null;     // sample under the pointer
+let pointed = null;     // sample at the cursor
 const windowListeners = [];
 const pointListeners = [];
 
-// Lines: {label, column, color, width, band: column of standard deviations}. Without a column it is
-// zero, with its band about it. The band's edges are series of their own, so that a chart's range
-// takes them in, but not where the band is ten times as wide as usual, as at the start: it leaves the
-// chart there. What is seen is the polygon between them, much faster than dygraphs' own.
-const middle = (line, i) => line.column ? columns[line.column][i] : 0;
-const reach = (line, i) => 3 * columns[line.band][i];
+// Lines: {label, column, color, width, band: column of standard deviations}. Without a column the value
+// is zero. The edges of the +-3 sigma band are series, so that the value range includes them, clipped to
+// 10 times the median half width. The band is drawn as one polygon, faster than dygraphs' error bars.
+const center = (line, i) => line.column ? columns[line.column][i] : 0;
+const halfWidth = (line, i) => 3 * columns[line.band][i];
 const edges = line => line.band ? [`${line.label} low`, `${line.label} high`] : [];
 
-function widest(line) {
-  const sorted = Array.from(time, (t, i) => reach(line, i)).filter(Number.isFinite).sort((a, b) => a - b);
+function maxBand(line) {
+  const sorted = Array.from(time, (t, i) => halfWidth(line, i)).filter(Number.isFinite).sort((a, b) => a - b);
   return 10 * sorted[sorted.length >> 1];
 }
 
 function rowsOf(lines) {
-  const most = lines.map(line => line.band ? widest(line) : 0);
+  const limits = lines.map(line => line.band ? maxBand(line) : 0);
   return Array.from(time, (t, i) => [t, ...lines.flatMap((line, k) => {
-    const value = middle(line, i);
-    const edge = line.band ? Math.min(reach(line, i), most[k]) : 0;
+    const value = center(line, i);
+    const edge = line.band ? Math.min(halfWidth(line, i), limits[k]) : 0;
     return line.band ? [value, value - edge, value + edge].map(finite) : [finite(value)];
   })]);
 }
 
 function seriesOf(lines) {
-  const unseen = {plotter: () => {}, highlightCircleSize: 0};
+  const hidden = {plotter: () => {}, highlightCircleSize: 0};
   return Object.fromEntries(lines.flatMap(line => [
-    [line.label, {strokeWidth: line.width || 1.4}], ...edges(line).map(label => [label, unseen])]));
+    [line.label, {strokeWidth: line.width || 1.4}], ...edges(line).map(label => [label, hidden])]));
 }
 
 const colorsOf = lines => lines.flatMap(line => [color(line.color), ...edges(line).map(() => 'transparent')]);
@@ -41,15 +40,15 @@ function drawBand(context, graph, line) {
   const x = time.map(t => graph.toDomXCoord(t));
   const flush = (start, end) => {
     context.beginPath();
-    for (let i = start; i < end; ++i) context.lineTo(x[i], graph.toDomYCoord(middle(line, i) + reach(line, i)));
-    for (let i = end - 1; i >= start; --i) context.lineTo(x[i], graph.toDomYCoord(middle(line, i) - reach(line, i)));
+    for (let i = start; i < end; ++i) context.lineTo(x[i], graph.toDomYCoord(center(line, i) + halfWidth(line, i)));
+    for (let i = end - 1; i >= start; --i) context.lineTo(x[i], graph.toDomYCoord(center(line, i) - halfWidth(line, i)));
     context.fill();
   };
   context.fillStyle = color(`${line.color}_band`);
   const first = Math.max(0, time.findIndex(t => t >= from) - 1);
   let start = first;
   for (let i = first; i < time.length; ++i) {
-    if (Number.isNaN(middle(line, i) + reach(line, i))) {
+    if (Number.isNaN(center(line, i) + halfWidth(line, i))) {
       flush(start, i);
       start = i + 1;
     } else if (time[i] > to || i + 1 === time.length) {
@@ -59,7 +58,7 @@ function drawBand(context, graph, line) {
   }
 }
 
-// The lines of one chart that there is anything of.
+// Lines with data.
 const isDrawn = name => columns[name] && columns[name].some(value => !Number.isNaN(value));
 const present = lines => lines.filter(line => isDrawn(line.column || line.band));
 
@@ -90,7 +89,7 @@ function setPoint(row, source) {
   for (const listener of pointListeners) listener();
 }
 
-// Only the lowest chart of a card carries the time axis.
+// Only the last chart of a card has a time axis.
 function addChart(card, title, unit, lines, {height = 110, range = null, stacked = false, timeAxis = false} = {}) {
   const drawn = present(lines);
   if (!drawn.length) return;
@@ -125,7 +124,7 @@ function addChart(card, title, unit, lines, {height = 110, range = null, stacked
   charts.push(chart);
 }
 
-// Time and values under the pointer; the line drawn last, on top, comes first.
+// Time and values at the cursor; topmost line first.
 function readout(chart) {
   if (pointed === null) return [];
   const values = chart.lines.filter(line => line.column).reverse().map(line => {
@@ -140,7 +139,7 @@ pointListeners.push(() => {
   for (const chart of charts) chart.readout.replaceChildren(...readout(chart));
 });
 
-// Charts out of sight are drawn when they come into sight.
+// Updates charts once they become visible.
 function watchVisibility() {
   const observer = new IntersectionObserver(entries => {
     for (const entry of entries) {
@@ -152,7 +151,7 @@ function watchVisibility() {
   document.querySelectorAll('.plot').forEach(plot => observer.observe(plot));
 }
 
-// What is on the canvases is drawn anew by `redraw`; the charts see to themselves but for colours.
+// `redraw` redraws the canvases; dygraphs redraws its charts, except for a change of colours.
 function watchPage(redraw) {
   byId('reset').addEventListener('click', () => setWindow(null, null));
   window.addEventListener('resize', redraw);

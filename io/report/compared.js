@@ -1,4 +1,4 @@
-// The estimators of this page: what each says is a column of its own.
+// Estimators of this page; columns are named "INDEX NAME".
 
 const runs = data.runs || [];
 const truth = data.truth;
@@ -19,7 +19,7 @@ const paths = [
   ...(truth ? [decodePath(truth, {color: 'truth', width: 5})] : []),
   ...runs.flatMap((run, i) => run.path ? [decodePath(run, {color: runColor(i), width: 1.6, end: runColor(i)})] : [])];
 
-// One line an estimator; the truth, where it is known, below them.
+// One line per estimator, on top of the truth.
 const compared = column => [
   {label: 'truth', column: `true ${column}`, color: 'truth', width: 5},
   ...runs.map((run, i) => ({label: `estimator ${i}`, column: `${i} ${column}`, color: runColor(i), width: 1.3}))];

@@ -1,4 +1,4 @@
-// The page: each card gets its content.
+// Fills the cards of the page.
 
 const path = {time_s: pathTime};
 const pathLines = () => paths;
@@ -22,7 +22,7 @@ function addStrips() {
     for (const [verdict, count] of Object.entries(entry.verdicts || {})) counts[verdict] = (counts[verdict] || 0) + count;
     byId('strips').append(
       element('div', {className: 'strip-head'}, element('span', {}, runSwatch(i), run.name),
-              element('span', {textContent: `${shown(percent(entry.availability_ratio))} % of the frames with an answer`})),
+              element('span', {textContent: `${shown(percent(entry.availability_ratio))} % of the frames with an estimate`})),
       element('div', {className: 'strip'}));
   });
   addVerdictLegend(counts);
@@ -46,7 +46,7 @@ addComparedCharts('position', [...'xyz'].map(axis => [axis, lengthUnit, `positio
 addComparedCharts('error', [['position', 'm', 'position_error_m'], ['velocity', 'm/s', 'velocity_error_m_s'],
                             ['attitude', '°', 'attitude_error_deg']]);
 addComparedCharts('speed', [['speed', speedUnit, 'speed_m_s']], {withTruth: true, height: 200});
-addComparedCharts('timing', [['estimator alone', 'ms', 'frame_ms']], {height: 200});
+addComparedCharts('timing', [['estimator only', 'ms', 'frame_ms']], {height: 200});
 drawDifferences();
 drawCanvases();
 watchVisibility();

@@ -19,15 +19,15 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxComparedSamples = 3000;
 
-/// Lengths of the vectors whose axes are three columns.
-std::vector<float> lengths_of(const ReportSeries& series, const std::string& name,
-                              const std::string& unit) {
+/// Norms of vectors in three columns.
+std::vector<float> norms_of(const ReportSeries& series, const std::string& name,
+                            const std::string& unit) {
   const std::vector<float>& x = series.at(name + "_x_" + unit);
   const std::vector<float>& y = series.at(name + "_y_" + unit);
   const std::vector<float>& z = series.at(name + "_z_" + unit);
-  std::vector<float> lengths(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) lengths[i] = std::hypot(x[i], y[i], z[i]);
-  return lengths;
+  std::vector<float> norms(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) norms[i] = std::hypot(x[i], y[i], z[i]);
+  return norms;
 }
 
 json drawn(std::span<const float> values) {
@@ -42,7 +42,7 @@ json path_of(const ReportSeries& series, const std::string& name) {
 }
 
 json true_columns(const ReportSeries& series) {
-  json columns{{"speed_m_s", drawn(lengths_of(series, "velocity_true", "m_s"))}};
+  json columns{{"speed_m_s", drawn(norms_of(series, "velocity_true", "m_s"))}};
   for (const char* axis : {"x", "y", "z"}) {
     columns[std::string("position_") + axis + "_m"] =
         drawn(series.at(std::string("position_true_") + axis + "_m"));
@@ -53,16 +53,16 @@ json true_columns(const ReportSeries& series) {
 json run_columns(const ReportSeries& series, bool has_lengths, bool has_truth, bool is_metric) {
   json columns = json::object();
   if (has_lengths) {
-    columns["speed_m_s"] = drawn(lengths_of(series, "velocity", "m_s"));
+    columns["speed_m_s"] = drawn(norms_of(series, "velocity", "m_s"));
     for (const char* axis : {"position_x_m", "position_y_m", "position_z_m"}) {
       columns[axis] = drawn(series.at(axis));
     }
   }
   if (!has_truth) return columns;
-  columns["attitude_error_deg"] = drawn(lengths_of(series, "attitude_error", "deg"));
+  columns["attitude_error_deg"] = drawn(norms_of(series, "attitude_error", "deg"));
   if (!is_metric) return columns;
-  columns["position_error_m"] = drawn(lengths_of(series, "position_error", "m"));
-  columns["velocity_error_m_s"] = drawn(lengths_of(series, "velocity_error", "m_s"));
+  columns["position_error_m"] = drawn(norms_of(series, "position_error", "m"));
+  columns["velocity_error_m_s"] = drawn(norms_of(series, "velocity_error", "m_s"));
   return columns;
 }
 
@@ -88,7 +88,7 @@ json comparison_data(const ComparisonReportContent& content, const json& compari
     const bool has_lengths = is_metric || !any_metric;
     json of_run{{"name", run.name},
                 {"is_metric", is_metric},
-                {"verdicts", verdict_stretches_json(estimates)},
+                {"verdicts", verdict_intervals_json(estimates)},
                 {"columns", run_columns(series, has_lengths, !truth.empty(), is_metric)}};
     of_run["columns"]["frame_ms"] = drawn(run.frame_ms.first(frames));
     if (has_lengths) of_run["path"] = path_of(series, "position");
@@ -110,8 +110,9 @@ std::string comparison_report_html(const ComparisonReportContent& content, const
        .style = report_assets::kComparisonStyle,
        .script = report_assets::kComparisonScript,
        .reset = "Show the whole flight",
-       .footer = "Drag across a chart to zoom all of them, shift-drag to move, double-click to go "
-                 "back; on a touch screen use two fingers.",
+       .footer =
+           "Drag across a chart to zoom all charts, shift-drag to pan, double-click to reset; "
+           "on a touch screen use two fingers.",
        .title = content.title,
        .config_yaml = content.config_yaml},
       comparison_data(content, comparison));

@@ -11,29 +11,29 @@
 
 namespace stillkite {
 
-/// One estimator's answers to the frames that all have seen.
+/// Estimates of one estimator on the common frames.
 struct ComparedEstimates {
   std::string name;
   std::span<const NavigationEstimate> estimates;
-  std::span<const float> frame_ms;  ///< one an estimate
+  std::span<const float> frame_ms;  ///< one per estimate
 };
 
-/// What a report of several estimators tells. Runs of unequal length are cut to the shortest.
+/// Content of a comparison report. Runs are cut to the shortest.
 struct ComparisonReportContent {
-  std::string title;  ///< the configuration, as the user named it
+  std::string title;  ///< configuration file as given by the user
   std::span<const ComparedEstimates> runs;
-  std::span<const std::optional<RigidTransform>> truth;  ///< world_from_body; empty, or one a frame
-  std::string config_yaml;                               ///< the effective configurations
+  std::span<const std::optional<RigidTransform>>
+      truth;                ///< world_from_body; empty, or one per frame
+  std::string config_yaml;  ///< effective configurations
 };
 
-/// One self-contained HTML page: the table of comparison.json (`comparison`) with what is
-/// significant, verdicts one above the other, and overlaid charts, a colour an estimator. Any text
-/// may hold anything; values that are not finite become gaps. Of an estimate without a scale beside
-/// others with one no lengths are drawn.
+/// Self-contained HTML page: table of comparison.json (`comparison`) with significance, verdicts
+/// and overlaid charts, one colour per estimator. Texts are escaped; non-finite values become gaps.
+/// Lengths of an estimator without metric scale are omitted if another one is metric.
 [[nodiscard]] std::string comparison_report_html(const ComparisonReportContent& content,
                                                  const nlohmann::json& comparison);
 
-/// As a file; throws as write_file does.
+/// Writes the page to a file; throws as write_file.
 void write_comparison_report(const std::filesystem::path& path,
                              const ComparisonReportContent& content,
                              const nlohmann::json& comparison);

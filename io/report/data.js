@@ -1,4 +1,4 @@
-// The data of this page, and small helpers.
+// Data of the page, and helpers.
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const summary = data.summary || {};
@@ -17,7 +17,7 @@ function element(tag, properties = {}, ...children) {
   return node;
 }
 
-// Short and honest: four significant digits, nothing where there is no number.
+// Number with `digits` significant digits; a dash without a number.
 function shown(value, digits = 4) {
   if (typeof value !== 'number' || !Number.isFinite(value)) return '–';
   if (value === 0) return '0';
@@ -26,7 +26,7 @@ function shown(value, digits = 4) {
   return size >= 10 ** (digits - 1) ? value.toFixed(0) : String(Number(value.toPrecision(digits)));
 }
 
-// A canvas that fills its place, sharp on any screen, and its 2-D context in CSS pixels.
+// Canvas of the width of `place`, in device pixels; its 2-D context uses CSS pixels.
 function fitCanvas(place, height) {
   const canvas = place.querySelector('canvas') || place.appendChild(element('canvas'));
   const width = place.clientWidth;

@@ -6,14 +6,13 @@
 
 namespace stillkite {
 
-/// At most `max_samples` of the values, for drawing: the values are cut into equal stretches and
-/// of each stretch its smallest and its largest are kept, in the order in which they come. A
-/// stretch without any number gives NaN twice. Short enough a series stays as it is. Series of
-/// equal length are cut alike, so their samples still belong together. `max_samples` is even.
+/// Decimation for drawing to at most `max_samples` (even) values: minimum and maximum of equal
+/// intervals, in their order; NaN twice for an interval without a number. Shorter series are
+/// returned unchanged. Series of equal length use the same intervals, so samples stay aligned.
 [[nodiscard]] std::vector<float> keep_extremes(std::span<const float> values,
                                                std::size_t max_samples);
 
-/// At most `max_samples` values, evenly spread, the last one among them.
+/// At most `max_samples` values, evenly spaced, first and last included.
 [[nodiscard]] std::vector<float> keep_every_nth(std::span<const float> values,
                                                 std::size_t max_samples);
 

@@ -1,19 +1,19 @@
-// What the controller decided, in words and colours, and how long.
+// Controller decisions: texts, colours and shares of time.
 
 const kReasons = {
   none: 'position and yaw are controlled',
-  no_estimate: 'no estimate has arrived yet',
-  estimate_lost: 'the estimator measured nothing',
-  estimate_gated: 'the estimator does not yet believe what it measured',
-  estimate_stale: 'the estimate is too old',
-  not_finite: 'a number of the input is none',
-  no_tether_reading: 'no tether reading has arrived yet',
-  tether_stale: 'the tether reading is too old',
-  tether_slack: 'the tether is slack',
-  tether_out_of_range: 'the tether reading cannot be',
-  angle_first: 'rotation comes before translation',
-  displacement_unknown: 'where home lies is not known',
-  within_dead_band: 'nothing to correct'
+  no_estimate: 'no estimate yet',
+  estimate_lost: 'no measurement by the estimator',
+  estimate_gated: 'measurement rejected by the gate',
+  estimate_stale: 'estimate too old',
+  not_finite: 'non-finite input',
+  no_tether_reading: 'no tether reading yet',
+  tether_stale: 'tether reading too old',
+  tether_slack: 'tether slack',
+  tether_out_of_range: 'tether reading out of range',
+  angle_first: 'rotation is corrected before translation',
+  displacement_unknown: 'displacement from the reference unknown',
+  within_dead_band: 'error within the dead band'
 };
 const kDecisionColors = {
   'command none': '#2a9d74', 'command angle_first': '#e69f00', 'command displacement_unknown': '#56b4e9',

@@ -1,9 +1,9 @@
-// The displacement along the moved axis over time, all trials of a set in one chart.
+// Charts of the displacement along the moved axis over time, one chart per set of trials.
 
 const displacementCharts = [];
 
-// One row an instant that any trial has: null where a trial has no sample there (its line goes
-// on), NaN where its sample has no value (its line is broken).
+// One row per time stamp of any trial: null without a sample of a trial (line connected), NaN for a
+// sample without a value (line broken).
 function rowsOfSet(set) {
   const rows = new Map();
   set.forEach((trial, place) => trial.chart.time_s.forEach((t, i) => {

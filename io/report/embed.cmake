@@ -1,4 +1,4 @@
-# Writes OUTPUT, the definitions of assets.hpp. Run by report.cmake at build time.
+# Writes OUTPUT, the definitions of assets.hpp. Called by report.cmake at build time.
 file(WRITE ${OUTPUT}
      "// Written by embed.cmake.\n#include \"io/report/assets.hpp\"\n\n"
      "namespace stillkite::report_assets {\n\n")

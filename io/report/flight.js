@@ -1,4 +1,4 @@
-// The flight of this page.
+// Time series of the flight.
 
 const lengthUnit = data.length_unit;
 const speedUnit = `${lengthUnit}/s`;

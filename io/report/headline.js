@@ -1,4 +1,4 @@
-// The numbers of summary.json.
+// Key figures of summary.json.
 
 function drawHeadline() {
   const frames = summary.frames || {};
@@ -18,15 +18,15 @@ function drawHeadline() {
   }
   tiles.push(
     tile('Frames used', frames.used, `of ${frames.read ?? '–'}`, `${frames.rejected ?? '–'} rejected`),
-    tile('Time per frame', frameTime.median, 'ms', `99 % below ${shown(frameTime.p99)} ms`),
-    tile('Throughput', timing.frames_per_s, 'frames/s', 'with decoding'),
+    tile('Time per frame', frameTime.median, 'ms', `99th percentile ${shown(frameTime.p99)} ms`),
+    tile('Throughput', timing.frames_per_s, 'frames/s', 'decoding included'),
     tile('Peak memory', memory.peak_rss_mib, 'MiB'));
   byId('headline').append(...tiles);
 
   const source = {none: 'no scale: lengths are in initial heights'}[scale.source] ||
     (scale.source ? `scale from ${scale.source.replaceAll('_', ' ')}` : '');
   byId('subtitle').textContent = [`${shown(duration)} s`, source,
-    data.decimated ? 'charts show the extremes of each stretch of a long flight' : '']
+    data.decimated ? 'charts show minimum and maximum per interval' : '']
     .filter(Boolean).join(' · ');
   byId('summary').textContent = JSON.stringify(summary, null, 2);
 }
@@ -50,8 +50,8 @@ function drawErrorTable() {
   const nees = Object.entries(evaluation.nees || {}).filter(([, value]) => value);
   if (nees.length) {
     byId('error_table').append(
-      element('h3', {textContent: 'Honesty of the covariance (NEES)'}),
-      table(['', 'mean', 'expected', 'inside 95 %'],
+      element('h3', {textContent: 'Covariance consistency (NEES)'}),
+      table(['', 'mean', 'expected', 'within 95 % interval'],
             nees.map(([name, value]) => [name.replaceAll('_', ' '), value.mean, value.degrees_of_freedom,
                                          `${shown(100 * value.share_inside, 3)} %`])));
   }

@@ -1,9 +1,9 @@
-// Where the drone was about the place to hold, in the upright plane of the moved axis.
+// Heat maps of the displacement in the vertical plane of the moved axis.
 
 const kHeatRamp = ['#0b0724', '#200c4a', '#4a0c6b', '#781c6d', '#a52c60', '#cf4446', '#ed6925', '#fb9b06', '#f7d13d', '#fcffa4'];
 const channels = text => [1, 3, 5].map(i => parseInt(text.slice(i, i + 2), 16));
 
-// Of a share of the ramp from 0 to 1, between its two neighbours.
+// Colour at a position of the ramp from 0 to 1, linearly interpolated.
 function heatColor(share) {
   const at = Math.min(Math.max(share, 0), 1) * (kHeatRamp.length - 1);
   const low = Math.min(Math.floor(at), kHeatRamp.length - 2);
@@ -11,7 +11,7 @@ function heatColor(share) {
   return `rgb(${from.map((value, i) => Math.round(value + (at - low) * (to[i] - value))).join()})`;
 }
 
-// Both maps of a set have the same extent and the same scale.
+// Cells in percent; both maps of a set share extent and scale.
 function heatOf(axis) {
   const {size_m: size, on, off} = sets[axis].heat;
   const share = Object.fromEntries(Object.entries({on, off}).map(([state, cells]) => {
@@ -19,24 +19,24 @@ function heatOf(axis) {
     return [state, cells.map(([across, up, count]) => [across, up, 100 * count / sum])];
   }));
   const all = [...share.on, ...share.off];
-  const least = 0.5;
+  const minSpan = 0.5;
   const span = place => all.reduce(([low, high], cell) =>
-    [Math.min(low, (cell[place] - 0.5) * size), Math.max(high, (cell[place] + 0.5) * size)], [-least, least]);
+    [Math.min(low, (cell[place] - 0.5) * size), Math.max(high, (cell[place] + 0.5) * size)], [-minSpan, minSpan]);
   const [x0, x1] = span(0);
   const [y0, y1] = span(1);
-  return {size, share, greatest: all.reduce((most, cell) => Math.max(most, cell[2]), 0),
+  return {size, share, maxShare: all.reduce((max, cell) => Math.max(max, cell[2]), 0),
           box: {x0: x0 - size, x1: x1 + size, y0: y0 - size, y1: y1 + size}};
 }
 
 function drawHeatMap(place) {
   const {axis, state} = place.dataset;
-  const {size, share, greatest, box} = heatOf(axis);
-  const plane = fitPlane(place, box, {least: 140, most: 280});
+  const {size, share, maxShare, box} = heatOf(axis);
+  const plane = fitPlane(place, box, {minHeight: 140, maxHeight: 280});
   const {context, map, scale, width, height} = plane;
   context.fillStyle = heatColor(0);
   context.fillRect(kMargin.left, kMargin.top, width - kMargin.left - kMargin.right, height - kMargin.top - kMargin.bottom);
   for (const [across, up, percent] of share[state]) {
-    context.fillStyle = heatColor(Math.sqrt(percent / greatest));
+    context.fillStyle = heatColor(Math.sqrt(percent / maxShare));
     context.fillRect(map.x((across - 0.5) * size), map.y((up + 0.5) * size), size * scale + 0.3, size * scale + 0.3);
   }
   drawGrid(plane, {x: `${sets[axis].across}, m`, y: 'y, m'},
@@ -51,12 +51,12 @@ function drawHeatMap(place) {
   }
 }
 
-// The root of the share is what is coloured: rare places stay visible beside the most frequent.
+// Colour by the square root of the share, so that rare cells stay visible.
 function heatLegend(axis) {
-  const {size, greatest} = heatOf(axis);
+  const {size, maxShare} = heatOf(axis);
   const ramp = element('i');
   ramp.style.background = `linear-gradient(to right, ${kHeatRamp.join()})`;
-  const marks = [0, greatest / 4, greatest].map(value => element('span', {textContent: `${shown(value, 2)} %`}));
+  const marks = [0, maxShare / 4, maxShare].map(value => element('span', {textContent: `${shown(value, 2)} %`}));
   return element('div', {className: 'ramp'}, element('span', {className: 'scale'}, ramp,
     element('span', {className: 'marks'}, ...marks)), `of the frames in a cell of ${shown(100 * size)} cm`);
 }

@@ -1,8 +1,8 @@
-// How often each displacement along the moved axis occurred, with stabilization and without.
+// Histograms of the displacement along the moved axis, with and without stabilization.
 
 const kBarHeight = 190;
 
-// [[bin, count]] as shares of all counts, in percent.
+// [[bin, count]] to [[bin, percent]].
 function sharesOf(counts) {
   const total = counts.reduce((sum, [, count]) => sum + count, 0);
   return counts.map(([bin, count]) => [bin, 100 * count / total]);
@@ -12,13 +12,13 @@ function drawHistogram(place) {
   const {size_m: size, on, off} = sets[place.dataset.axis].histogram;
   const shares = {off: sharesOf(off), on: sharesOf(on)};
   const all = [...shares.on, ...shares.off];
-  const reach = size * (Math.max(...all.map(([bin]) => Math.abs(bin)), 1) + 1);
-  const greatest = Math.max(...all.map(([, share]) => share));
+  const maxDisplacement = size * (Math.max(...all.map(([bin]) => Math.abs(bin)), 1) + 1);
+  const maxShare = Math.max(...all.map(([, share]) => share));
   const {context, width, height} = fitCanvas(place, kBarHeight + kMargin.top + kMargin.bottom);
-  const scale = (width - kMargin.left - kMargin.right) / (2 * reach);
-  const map = {x: d => kMargin.left + (d + reach) * scale,
-               y: share => height - kMargin.bottom - share / (1.05 * greatest) * kBarHeight};
-  drawBarGrid(context, map, width, height, reach, greatest);
+  const scale = (width - kMargin.left - kMargin.right) / (2 * maxDisplacement);
+  const map = {x: d => kMargin.left + (d + maxDisplacement) * scale,
+               y: share => height - kMargin.bottom - share / (1.05 * maxShare) * kBarHeight};
+  drawBarGrid(context, map, width, height, maxDisplacement, maxShare);
   for (const state of ['off', 'on']) {
     context.fillStyle = color(`${state}_bar`);
     for (const [bin, share] of shares[state]) {
@@ -28,7 +28,7 @@ function drawHistogram(place) {
   }
 }
 
-function drawBarGrid(context, map, width, height, reach, greatest) {
+function drawBarGrid(context, map, width, height, maxDisplacement, maxShare) {
   const label = (text, x, y, align, baseline) => {
     context.textAlign = align;
     context.textBaseline = baseline;
@@ -38,13 +38,13 @@ function drawBarGrid(context, map, width, height, reach, greatest) {
   context.fillStyle = color('soft');
   context.strokeStyle = color('grid');
   const line = (x0, y0, x1, y1) => { context.beginPath(); context.moveTo(x0, y0); context.lineTo(x1, y1); context.stroke(); };
-  const across = niceStep(2 * reach, width / 60);
-  for (let k = -Math.floor(reach / across); k * across <= reach; ++k) {
+  const across = niceStep(2 * maxDisplacement, width / 60);
+  for (let k = -Math.floor(maxDisplacement / across); k * across <= maxDisplacement; ++k) {
     line(map.x(k * across), kMargin.top, map.x(k * across), map.y(0));
     label(shown(k * across), map.x(k * across), map.y(0) + 6, 'center', 'top');
   }
-  const up = niceStep(greatest, 4);
-  for (let k = 0; k * up <= 1.05 * greatest; ++k) {
+  const up = niceStep(maxShare, 4);
+  for (let k = 0; k * up <= 1.05 * maxShare; ++k) {
     line(kMargin.left, map.y(k * up), width - kMargin.right, map.y(k * up));
     label(`${shown(k * up)} %`, kMargin.left - 6, map.y(k * up), 'right', 'middle');
   }

@@ -6,25 +6,25 @@
 namespace stillkite {
 namespace {
 
-constexpr double kFinestCell_m = 0.05;
-constexpr double kMostCells = 60;  // to either side
+constexpr double kMinCellSize_m = 0.05;
+constexpr double kMaxCells = 60;  // on each side of zero
 
-/// The finest of 0.05, 0.1, 0.2, 0.5 ... m whose cells are few enough to be seen.
+/// Smallest of 0.05, 0.1, 0.2, 0.5 ... m for which kMaxCells cover all displacements.
 double cell_size_m(std::span<const HoverReportTrial> trials, int moved_axis,
                    std::span<const int> axes) {
-  double reach_m = 0;
+  double range_m = 0;
   for (const HoverReportTrial& trial : trials) {
     if (trial.moved_axis != moved_axis) continue;
     for (const HoverReportSample& sample : trial.samples) {
       for (const int axis : axes) {
         const double size_m = std::abs(sample.displacement_m(axis));
-        if (std::isfinite(size_m)) reach_m = std::max(reach_m, size_m);
+        if (std::isfinite(size_m)) range_m = std::max(range_m, size_m);
       }
     }
   }
-  for (double step_m = kFinestCell_m;; step_m *= 10) {
+  for (double step_m = kMinCellSize_m;; step_m *= 10) {
     for (const double factor : {1.0, 2.0, 4.0}) {
-      if (reach_m <= kMostCells * factor * step_m) return factor * step_m;
+      if (range_m <= kMaxCells * factor * step_m) return factor * step_m;
     }
   }
 }

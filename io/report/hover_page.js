@@ -1,4 +1,4 @@
-// The page: each card gets its content.
+// Fills the cards of the page.
 
 function drawCanvases() {
   drawHistograms();

@@ -18,14 +18,14 @@ namespace {
 
 using nlohmann::json;
 
-// What twelve trials of 1300 samples may take; more trials share it, so that a page stays small.
-constexpr std::size_t kAllChartSamples = 12UL * 1400;
-constexpr std::size_t kAllReplaySamples = 12UL * 600;
-constexpr std::size_t kAllImageBytes = 1'500'000;
+// Bound the page size: budget of 12 trials, shared if there are more.
+constexpr std::size_t kTotalChartSamples = 12UL * 1400;
+constexpr std::size_t kTotalReplaySamples = 12UL * 600;
+constexpr std::size_t kTotalImageBytes = 1'500'000;
 
 constexpr std::array<const char*, 3> kPaperAxes{"x", "y", "z"};
 
-/// Each (action, reason) that occurs, and its place in the page's list.
+/// (action, reason) -> index in the page's list.
 using Decision = std::pair<std::string_view, std::string_view>;
 using DecisionIndex = std::map<Decision, int>;
 
@@ -45,7 +45,7 @@ DecisionIndex index_decisions(std::span<const HoverReportTrial> trials) {
   return index;
 }
 
-std::size_t share_of(std::size_t all, std::size_t trials) {
+std::size_t samples_per_trial(std::size_t all, std::size_t trials) {
   return std::max<std::size_t>(all / std::max<std::size_t>(trials, 12) / 2 * 2, 50);
 }
 
@@ -59,21 +59,22 @@ std::vector<float> column(const HoverReportTrial& trial, Value&& value) {
   return values;
 }
 
-/// Displacement along the moved axis, with its extremes.
-json chart(const HoverReportTrial& trial, std::size_t most) {
+/// Displacement along the moved axis, decimated with its extremes.
+json chart(const HoverReportTrial& trial, std::size_t max_samples) {
   const auto drawn = [&](auto&& value) {
-    return base64(keep_extremes(column(trial, value), most));
+    return base64(keep_extremes(column(trial, value), max_samples));
   };
   return {{"time_s", drawn([](const auto& sample) { return sample.t_s; })},
           {"displacement_m",
            drawn([&](const auto& sample) { return sample.displacement_m(trial.moved_axis); })}};
 }
 
-/// Everything that belongs to one instant, at fewer of them.
-json replay(const HoverReportTrial& trial, const DecisionIndex& decisions, std::size_t most) {
+/// All columns of the replay, at fewer samples than the chart.
+json replay(const HoverReportTrial& trial, const DecisionIndex& decisions,
+            std::size_t max_samples) {
   json result = json::object();
   const auto add = [&](const std::string& name, auto&& value) {
-    result[name] = base64(keep_every_nth(column(trial, value), most));
+    result[name] = base64(keep_every_nth(column(trial, value), max_samples));
   };
   add("time_s", [](const auto& sample) { return sample.t_s; });
   add("yaw_deg", [](const auto& sample) { return sample.yaw_deg; });
@@ -82,7 +83,7 @@ json replay(const HoverReportTrial& trial, const DecisionIndex& decisions, std::
   });
   for (int axis = 0; axis < 3; ++axis) {
     const std::string name = kPaperAxes.at(axis);
-    // the paper's x, y, z are our world's x, z, -y
+    // paper axes x, y, z = world axes x, z, -y
     const int row = axis == 0 ? 0 : 3 - axis;
     const double sign = axis == 2 ? -1 : 1;
     add("displacement_" + name, [&](const auto& sample) { return sample.displacement_m(axis); });
@@ -93,16 +94,16 @@ json replay(const HoverReportTrial& trial, const DecisionIndex& decisions, std::
   return result;
 }
 
-/// One of how many images there is room for.
+/// Decimation factor of the images, from their total size.
 std::size_t image_step(std::span<const HoverReportTrial> trials) {
   std::size_t bytes = 0;
   for (const HoverReportTrial& trial : trials) {
     for (const HoverImage& image : trial.images) bytes += image.jpeg.size();
   }
-  return 1 + bytes / kAllImageBytes;
+  return 1 + bytes / kTotalImageBytes;
 }
 
-/// Every step-th image of all the trials' as far as it is this trial's.
+/// Images of this trial among every step-th image of all trials.
 json images(const HoverReportTrial& trial, std::size_t images_before, std::size_t step) {
   json result = json::array();
   for (std::size_t i = 0; i < trial.images.size(); ++i) {
@@ -117,8 +118,8 @@ json trial_data(const HoverReportTrial& trial, const DecisionIndex& decisions, s
           {"stabilized", trial.stabilized},
           {"policy", trial.policy},
           {"seed", trial.seed},
-          {"chart", chart(trial, share_of(kAllChartSamples, trials))},
-          {"replay", replay(trial, decisions, share_of(kAllReplaySamples, trials))}};
+          {"chart", chart(trial, samples_per_trial(kTotalChartSamples, trials))},
+          {"replay", replay(trial, decisions, samples_per_trial(kTotalReplaySamples, trials))}};
 }
 
 json cells(const std::map<int, int>& counts) {
@@ -138,7 +139,7 @@ json distribution(const Counts& counts) {
   return {{"size_m", counts.size_m}, {"on", cells(counts.on)}, {"off", cells(counts.off)}};
 }
 
-/// How many samples each decision lasted.
+/// Number of samples of each decision.
 json decision_counts(std::span<const HoverReportTrial> trials, const DecisionIndex& decisions,
                      int moved_axis) {
   std::vector<int> counts(decisions.size());
@@ -179,16 +180,17 @@ json hover_data(const HoverReportContent& content, const json& summary) {
 }  // namespace
 
 std::string hover_report_html(const HoverReportContent& content, const json& summary) {
-  return report_page({.brand = "Stillkite hover report",
-                      .main = report_assets::kHoverMain,
-                      .style = report_assets::kHoverStyle,
-                      .script = report_assets::kHoverScript,
-                      .reset = "Show whole trials",
-                      .footer = "Drag across a chart to zoom it, shift-drag to move, double-click "
-                                "to go back; on a touch screen use two fingers.",
-                      .title = content.title,
-                      .config_yaml = content.config_yaml},
-                     hover_data(content, summary));
+  return report_page(
+      {.brand = "Stillkite hover report",
+       .main = report_assets::kHoverMain,
+       .style = report_assets::kHoverStyle,
+       .script = report_assets::kHoverScript,
+       .reset = "Show whole trials",
+       .footer = "Drag across a chart to zoom it, shift-drag to pan, double-click to "
+                 "reset; on a touch screen use two fingers.",
+       .title = content.title,
+       .config_yaml = content.config_yaml},
+      hover_data(content, summary));
 }
 
 void write_hover_report(const std::filesystem::path& path, const HoverReportContent& content,

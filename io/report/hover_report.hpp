@@ -11,16 +11,16 @@
 
 namespace stillkite {
 
-/// One instant of a trial. What is not known is NaN.
+/// Sample of a trial; unknown values are NaN.
 struct HoverReportSample {
-  double t_s = 0;  ///< from the trial's start
-  /// From the place at the start, along the hold paper's axes: x and z are level, y is up.
+  double t_s = 0;  ///< since the start of the trial
+  /// Relative to the initial position, in the axes of the hold paper: x, z horizontal, y up.
   Eigen::Vector3d displacement_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d station_in_world_m = Eigen::Vector3d::Zero();  ///< z is up
   Eigen::Vector3d drone_in_world_m = Eigen::Vector3d::Zero();
-  double yaw_deg = 0;       ///< from the heading at the start, left is +
-  std::string_view action;  ///< token of HoldAction, empty without stabilization
-  std::string_view reason;  ///< token of HoldReason
+  double yaw_deg = 0;       ///< relative to the initial heading, positive left
+  std::string_view action;  ///< name of HoldAction, empty without stabilization
+  std::string_view reason;  ///< name of HoldReason
 };
 
 struct HoverImage {
@@ -29,30 +29,29 @@ struct HoverImage {
 };
 
 struct HoverReportTrial {
-  int moved_axis = 0;  ///< the station's: 0, 1, 2 are the paper's x, y, z
+  int moved_axis = 0;  ///< axis of the station's motion: 0, 1, 2 = x, y, z of the paper
   bool stabilized = true;
   std::string policy;
   std::uint64_t seed = 0;
   std::vector<HoverReportSample> samples;
-  std::vector<HoverImage> images;  ///< of the drone's camera, small; may be empty
+  std::vector<HoverImage> images;  ///< thumbnails of the drone's camera; may be empty
 };
 
-/// What a report tells of a set of trials. The views are read before the call returns.
+/// Content of a hover report.
 struct HoverReportContent {
-  std::string title;  ///< the configuration, as the user named it
+  std::string title;  ///< configuration file as given by the user
   std::span<const HoverReportTrial> trials;
-  std::string config_yaml;  ///< the effective configuration
+  std::string config_yaml;  ///< effective configuration
 };
 
-/// One self-contained HTML page: Table I beside the hold paper's, its figures 3, 4 and 5, a replay
-/// with the camera's images, the decisions and the configuration. `summary` is summary.json
-/// (its `table`, `trials` and `timing`). Any text may hold anything; values that are not finite
-/// become gaps. Stays below 3 MB: long trials are thinned for drawing, many images too.
-/// Throws std::out_of_range for another `moved_axis`.
+/// Self-contained HTML page below 3 MB: Table I next to the hold paper's, figures 3 to 5, replay
+/// with camera images, controller decisions and configuration. `summary`: summary.json (`table`,
+/// `trials`, `timing`). Texts are escaped; non-finite values become gaps; long trials and images
+/// are decimated. Throws std::out_of_range on an invalid `moved_axis`.
 [[nodiscard]] std::string hover_report_html(const HoverReportContent& content,
                                             const nlohmann::json& summary);
 
-/// As a file; throws as write_file does.
+/// Writes the page to a file; throws as write_file.
 void write_hover_report(const std::filesystem::path& path, const HoverReportContent& content,
                         const nlohmann::json& summary);
 

@@ -1,4 +1,4 @@
-// The page: each card gets its charts.
+// Fills the cards of the page.
 
 const truthLine = column => ({label: 'truth', column, color: 'truth', width: 4});
 const estimateLine = (column, band) => ({label: 'estimate', column, band, color: 'estimate'});
@@ -22,7 +22,7 @@ function addStateCharts() {
     addChart(byId('velocity'), `V${axis}`, speedUnit,
       [truthLine(`velocity_true_${axis}_m_s`), estimateLine(`velocity_${axis}_m_s`, `velocity_sigma_${axis}_m_s`)], {timeAxis: axis === 'z'});
   }
-  for (const [angle, title] of [['pitch', 'pitch θ, + is nose down'], ['roll', 'roll φ'], ['yaw', 'yaw γ']]) {
+  for (const [angle, title] of [['pitch', 'pitch θ, positive nose down'], ['roll', 'roll φ'], ['yaw', 'yaw γ']]) {
     addChart(byId('attitude'), title, '°', [truthLine(`${angle}_true_deg`), estimateLine(`${angle}_deg`)],
       {timeAxis: angle === 'yaw'});
   }
@@ -48,7 +48,7 @@ function addQualityCharts() {
   const card = byId('quality');
   addChart(card, 'inliers', '%', single('inliers_percent'), {height: 90, range: [0, 103]});
   addChart(card, 'residual', 'px', single('residual_px'), {height: 90});
-  addChart(card, 'windows with information', '', single('windows'), {height: 90});
+  addChart(card, 'flow vectors', '', single('windows'), {height: 90});
   addChart(card, 'mean flow', 'px', single('flow_px'), {height: 90});
   addChart(card, 'condition number', '', single('condition'), {height: 90, timeAxis: true});
 }
@@ -56,7 +56,7 @@ function addQualityCharts() {
 function addTimingCharts() {
   const stages = ['pyramid', 'flow', 'solve', 'filter'];
   addKeys(byId('timing'), stages.map(stage => [stage, stage, 'thick']));
-  // dygraphs stacks the first series on top.
+  // dygraphs stacks the first series on top
   const lines = stages.map(stage => ({label: stage, short: stage, column: `${stage}_ms`, color: stage, width: 0.8})).reverse();
   addChart(byId('timing'), 'stacked', 'ms', lines, {height: 240, stacked: true, timeAxis: true});
   const stageMs = (summary.timing || {}).stages_ms || {};
@@ -65,7 +65,7 @@ function addTimingCharts() {
     const value = stageMs[name];
     return value && typeof value === 'object' ? [name, value.median, value.p99] : [name, value];
   });
-  if (rows.length) byId('timing').append(table(rows[0].length > 2 ? ['stage', 'median, ms', '99 %, ms'] : ['stage', 'ms'], rows));
+  if (rows.length) byId('timing').append(table(rows[0].length > 2 ? ['stage', 'median, ms', '99th percentile, ms'] : ['stage', 'ms'], rows));
 }
 
 function drawVerdicts() {

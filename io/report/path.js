@@ -1,5 +1,5 @@
-// The path seen from above, with equal axes; it follows the charts' zoom and pointer. The page says
-// which lines: {x, y, color, width, end: color of the last point of an estimate}.
+// Top view of the path with equal axes; follows zoom and cursor of the charts. pathLines() of the page
+// returns the lines: {x, y, color, width, end: color of the last point of an estimate}.
 
 function drawPath() {
   const place = document.querySelector('.top-view');

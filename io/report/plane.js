@@ -1,4 +1,4 @@
-// A plane seen with equal axes, in metres or whatever the lengths are in.
+// 2-D plots with equal axes.
 
 const kMargin = {left: 46, right: 14, top: 10, bottom: 26};
 
@@ -8,7 +8,7 @@ function niceStep(range, count) {
   return power * [1, 2, 5, 10].find(factor => factor * power >= rough);
 }
 
-// Extent of what is shown, padded, never empty.
+// Bounding box of the lines, padded, never empty.
 function extent(lines, from, to) {
   const box = {x0: Infinity, x1: -Infinity, y0: Infinity, y1: -Infinity};
   for (const {x, y} of lines) {
@@ -23,11 +23,11 @@ function extent(lines, from, to) {
   return {x0: box.x0 - pad, x1: box.x1 + pad, y0: box.y0 - pad, y1: box.y1 + pad};
 }
 
-// `names` of the axes with their unit; `down`: what the upright axis names grows downwards.
+// Second argument: names of the axes with units; `down`: the vertical axis is positive downwards.
 function drawGrid({context, view, map, scale, height, width}, {x: nameX, y: nameY, down = false},
                   {line = color('grid'), inside = color('soft')} = {}) {
   const stepX = niceStep(70 / scale, 1);
-  const stepY = niceStep(Math.min(70 / scale, (view.y1 - view.y0) / 4), 1);  // a flat view needs finer ones
+  const stepY = niceStep(Math.min(70 / scale, (view.y1 - view.y0) / 4), 1);  // finer for a flat view
   const marked = value => shown(Math.abs(value) < stepY / 1e6 ? 0 : value);
   context.font = '11px system-ui, sans-serif';
   context.strokeStyle = line;
@@ -43,7 +43,7 @@ function drawGrid({context, view, map, scale, height, width}, {x: nameX, y: name
   context.textBaseline = 'middle';
   for (let y = Math.ceil(view.y0 / stepY) * stepY; y <= view.y1; y += stepY) {
     context.beginPath(); context.moveTo(kMargin.left, map.y(y)); context.lineTo(width - kMargin.right, map.y(y)); context.stroke();
-    if (map.y(y) > 18) context.fillText(marked(down ? -y : y), kMargin.left - 6, map.y(y));  // above stands the name
+    if (map.y(y) > 18) context.fillText(marked(down ? -y : y), kMargin.left - 6, map.y(y));  // keeps the axis name clear
   }
   context.textAlign = 'left';
   context.textBaseline = 'top';
@@ -80,11 +80,11 @@ function dot(context, x, y, fill, radius = 5) {
   context.stroke();
 }
 
-// A canvas over the box with equal axes: what is left over is shared out on both sides.
-function fitPlane(place, box, {least = 170, most = 430} = {}) {
+// Canvas over the box with equal axes; spare space is distributed to both sides.
+function fitPlane(place, box, {minHeight = 170, maxHeight = 430} = {}) {
   const inner = place.clientWidth - kMargin.left - kMargin.right;
   const wanted = inner * (box.y1 - box.y0) / (box.x1 - box.x0);
-  const innerHeight = Math.min(Math.max(wanted, least), most);
+  const innerHeight = Math.min(Math.max(wanted, minHeight), maxHeight);
   const height = innerHeight + kMargin.top + kMargin.bottom;
   const {context, width} = fitCanvas(place, height);
   const scale = Math.min(inner / (box.x1 - box.x0), innerHeight / (box.y1 - box.y0));

@@ -1,10 +1,10 @@
-// What every chart of dygraphs here has: its frame, its look, and how it is touched.
+// Common frame, style and interaction of the dygraphs charts.
 
 const kAxisWidth = 46;
 
 const finite = value => Number.isNaN(value) ? null : value;
 
-// One finger scrolls the page, two zoom the chart.
+// One finger scrolls the page, two fingers zoom the chart.
 const kTwoFingers = Object.fromEntries(['touchstart', 'touchmove', 'touchend'].map(kind => [kind,
   (event, graph, context) => {
     if (kind === 'touchend' || event.touches.length > 1) {
@@ -12,7 +12,7 @@ const kTwoFingers = Object.fromEntries(['touchstart', 'touchmove', 'touchend'].m
     }
   }]));
 
-// The frame of a chart: a head with title and readout, and the place to draw at.
+// Frame of a chart: header with title and readout, and the plot element.
 function addPlot(card, title, unit, height) {
   const readout = element('span', {className: 'readout'});
   const plot = element('div', {className: 'plot'});

@@ -1,8 +1,8 @@
-// A trial as it was flown, to be watched.
+// Replay of a trial.
 
 const player = {trial: null, t_s: 0, speed: 4, playing: false, last_ms: null};
 
-// Last sample not after the instant.
+// Last sample at or before time t.
 function indexAt(trial, t) {
   const times = trial.replay.time_s;
   let low = 0;
@@ -36,7 +36,7 @@ function drawReadings(index) {
     : ['no stabilization: the drone follows its station']));
 }
 
-// The decisions along the time that the slider runs through.
+// Controller decisions along the time slider.
 function drawReplayStrip() {
   const {replay} = player.trial;
   const {context, width, height} = fitCanvas(byId('replay_strip'), 12);
@@ -63,7 +63,7 @@ function drawReplay() {
 function choose(trial) {
   Object.assign(player, {trial, t_s: 0});
   byId('scrub').max = durationOf(trial);
-  byId('side_name').textContent = `From the side, ${sets[trial.axis].across} to the right`;
+  byId('side_name').textContent = `Side view, ${sets[trial.axis].across} to the right`;
   byId('camera').hidden = !trial.images.length;
   document.querySelector('.views').classList.toggle('with-camera', trial.images.length > 0);
   drawReplayKeys(trial);

@@ -1,4 +1,4 @@
-# Compiles the reports' pages, their scripts and dygraphs (MIT) into stillkite_io.
+# Embeds the report pages, their scripts and dygraphs (MIT) into stillkite_io.
 find_file(STILLKITE_DYGRAPHS_JS dygraph.min.js
           PATHS /usr/share/javascript/dygraphs /usr/local/share/javascript/dygraphs)
 find_file(STILLKITE_DYGRAPHS_CSS dygraph.min.css
@@ -18,7 +18,7 @@ add_custom_command(
           -P ${CMAKE_CURRENT_LIST_DIR}/embed.cmake
   DEPENDS ${CMAKE_CURRENT_LIST_DIR}/embed.cmake ${report_files} ${STILLKITE_DYGRAPHS_JS}
           ${STILLKITE_DYGRAPHS_CSS}
-  COMMENT "Embedding the reports' pages"
+  COMMENT "Embedding the report pages"
   VERBATIM)
 set_source_files_properties(${report_assets} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_sources(stillkite_io PRIVATE

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-/// More samples than this no screen can show.
+/// Limit of the samples per chart column.
 constexpr std::size_t kMaxSamples = 4000;
 
 json columns(const ReportSeries& series) {
@@ -25,7 +25,7 @@ json columns(const ReportSeries& series) {
   return result;
 }
 
-/// The path seen from above; unlike the columns, x and y of a sample are of one frame.
+/// Horizontal path, decimated by frames so that x and y of a sample belong together.
 json path(const ReportSeries& series) {
   json result = json::object();
   for (const char* name :
@@ -42,7 +42,7 @@ json report_data(const ReportContent& content, const json& summary) {
   const ReportSeries series = report_series(content);
   return {{"columns", columns(series)},
           {"path", path(series)},
-          {"verdicts", verdict_stretches_json(content.estimates)},
+          {"verdicts", verdict_intervals_json(content.estimates)},
           {"length_unit", is_in_metres(content.estimates) ? "m" : "heights"},
           {"has_truth", !content.truth.empty()},
           {"decimated", content.estimates.size() > kMaxSamples},
@@ -58,8 +58,9 @@ std::string report_html(const ReportContent& content, const json& summary) {
        .style = report_assets::kReportStyle,
        .script = report_assets::kReportScript,
        .reset = "Show the whole flight",
-       .footer = "Drag across a chart to zoom all of them, shift-drag to move, double-click to go "
-                 "back; on a touch screen use two fingers.",
+       .footer =
+           "Drag across a chart to zoom all charts, shift-drag to pan, double-click to reset; "
+           "on a touch screen use two fingers.",
        .title = content.title,
        .config_yaml = content.config_yaml},
       report_data(content, summary));

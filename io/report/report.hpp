@@ -11,21 +11,22 @@
 
 namespace stillkite {
 
-/// What a report tells of one run.
+/// Content of a run report.
 struct ReportContent {
-  std::string title;  ///< the source, as the user named it
+  std::string title;  ///< source as given by the user
   std::span<const NavigationEstimate> estimates;
-  std::span<const std::optional<RigidTransform>> truth;  ///< world_from_body; empty, or one each
+  std::span<const std::optional<RigidTransform>>
+      truth;  ///< world_from_body; empty, or one per estimate
   RigidTransform body_from_camera;
-  std::string config_yaml;  ///< the effective configuration
+  std::string config_yaml;  ///< effective configuration
 };
 
-/// One self-contained HTML page: figures 3, 4 and 5 of the flow paper, errors against the truth,
-/// flow quality, times, verdicts, the summary (summary.json) and the configuration. Any text may
-/// hold anything; values that are not finite become gaps.
+/// Self-contained HTML page: figures 3 to 5 of the flow paper, errors against the truth, flow
+/// quality, timing, verdicts, `summary` (summary.json) and configuration. Texts are escaped;
+/// non-finite values become gaps.
 [[nodiscard]] std::string report_html(const ReportContent& content, const nlohmann::json& summary);
 
-/// As a file; throws as write_file does.
+/// Writes the page to a file; throws as write_file.
 void write_report(const std::filesystem::path& path, const ReportContent& content,
                   const nlohmann::json& summary);
 

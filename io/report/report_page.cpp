@@ -37,7 +37,7 @@ std::string escape_html(std::string_view text) {
   return escaped;
 }
 
-/// JSON that may stand inside a script element: no "<" can end it.
+/// JSON for a script element; "<" is escaped so that the text cannot end the element.
 std::string script_json(const json& value) {
   std::string text;
   for (const char c : value.dump(-1, ' ', false, json::error_handler_t::replace)) {
@@ -50,7 +50,7 @@ std::string script_json(const json& value) {
   return text;
 }
 
-/// The template with each `{{name}}` replaced, in one pass: no mark is looked for in the texts.
+/// Replaces each `{{name}}` of the template in one pass; inserted texts are not expanded.
 std::string expand(std::string_view page, const std::map<std::string_view, std::string>& texts) {
   std::string result;
   for (std::size_t from = 0;;) {

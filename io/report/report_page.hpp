@@ -6,20 +6,20 @@
 
 namespace stillkite {
 
-/// What one kind of report fills the common page with. The texts of the user are escaped, those
-/// compiled in (report/assets.hpp) are not.
+/// Parts of the common page. User texts (title, config_yaml) are escaped, embedded assets
+/// (report/assets.hpp) are not.
 struct ReportPage {
   std::string_view brand;
-  std::string_view main;  ///< `{{config}}` in it becomes the configuration
+  std::string_view main;  ///< contains `{{config}}`, replaced by the configuration
   std::string_view style;
   std::string_view script;
-  std::string_view reset;   ///< says what the button does that ends a zoom
-  std::string_view footer;  ///< how the charts are used
-  std::string title;        ///< the user's, like config_yaml
+  std::string_view reset;   ///< label of the button that resets the zoom
+  std::string_view footer;  ///< usage of the charts
+  std::string title;        ///< user text, as config_yaml
   std::string config_yaml;
 };
 
-/// One self-contained HTML page; `data` is what its script draws.
+/// Self-contained HTML page; its script draws `data`.
 [[nodiscard]] std::string report_page(const ReportPage& page, const nlohmann::json& data);
 
 }  // namespace stillkite

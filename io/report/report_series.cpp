@@ -12,10 +12,10 @@
 namespace stillkite {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
 
-/// Columns that grow by one value a frame.
+/// Columns, extended by one value per frame.
 class Table {
  public:
   void add(std::string_view name, double value) {
@@ -33,15 +33,15 @@ class Table {
   ReportSeries series_;
 };
 
-Eigen::Vector3d nothing() {
-  return Eigen::Vector3d::Constant(kNothing);
+Eigen::Vector3d nan_vector() {
+  return Eigen::Vector3d::Constant(kNaN);
 }
 
 Eigen::Vector3d standard_deviation(const Eigen::Matrix3d& covariance) {
   return covariance.diagonal().cwiseMax(0).cwiseSqrt();
 }
 
-/// (roll, pitch, yaw) in degrees, each within half a turn of the one in `near_deg`.
+/// (roll, pitch, yaw) in degrees, each within 180 deg of `near_deg`.
 Eigen::Vector3d angles_deg(const Eigen::Quaterniond& world_from_body,
                            const Eigen::Vector3d& near_deg) {
   const EulerAngles angles = to_euler(world_from_body);
@@ -69,11 +69,12 @@ void add_state(Table& table, const NavigationEstimate& estimate,
   table.add("position_sigma", "m", standard_deviation(P.topLeftCorner<3, 3>()));
   table.add("attitude_sigma", "deg", standard_deviation(P.bottomRightCorner<3, 3>()) / kDegree);
   table.add("velocity", "m_s", estimate.velocity_in_world_m_s);
-  // before anything is measured any speed is possible: that band would hide the whole flight
-  const Eigen::Matrix3d of_velocity =
+  // the prior covariance of the first frame would dominate the scale of the chart
+  const Eigen::Matrix3d velocity_covariance =
       R * estimate.twist_covariance.topLeftCorner<3, 3>() * R.transpose();
   table.add("velocity_sigma", "m_s",
-            estimate.verdict == Verdict::first_frame ? nothing() : standard_deviation(of_velocity));
+            estimate.verdict == Verdict::first_frame ? nan_vector()
+                                                     : standard_deviation(velocity_covariance));
 }
 
 void add_errors(Table& table, const NavigationEstimate& estimate,
@@ -82,9 +83,9 @@ void add_errors(Table& table, const NavigationEstimate& estimate,
   const RigidTransform& pose = estimate.world_from_body;
   table.add("position_true", "m", true_position);
   table.add("position_error", "m", pose.translation - true_position);
-  table.add(
-      "attitude_error", "deg",
-      truth ? (so3_log(pose.rotation * truth->rotation.conjugate()) / kDegree).eval() : nothing());
+  table.add("attitude_error", "deg",
+            truth ? (so3_log(pose.rotation * truth->rotation.conjugate()) / kDegree).eval()
+                  : nan_vector());
   table.add("velocity_true", "m_s", true_velocity);
   table.add("velocity_error", "m_s", estimate.velocity_in_world_m_s - true_velocity);
 }
@@ -92,23 +93,23 @@ void add_errors(Table& table, const NavigationEstimate& estimate,
 void add_quality(Table& table, const NavigationEstimate& estimate) {
   const bool measured = estimate.verdict != Verdict::first_frame;
   const FlowQuality& quality = estimate.quality;
-  table.add("inliers_percent", measured ? 100 * quality.inlier_ratio : kNothing);
-  table.add("residual_px", measured ? quality.residual_px : kNothing);
-  table.add("windows", measured ? quality.windows : kNothing);
-  table.add("flow_px", measured ? quality.mean_flow_px : kNothing);
-  table.add("condition", measured && quality.condition > 0 ? quality.condition : kNothing);
+  table.add("inliers_percent", measured ? 100 * quality.inlier_ratio : kNaN);
+  table.add("residual_px", measured ? quality.residual_px : kNaN);
+  table.add("windows", measured ? quality.flow_vectors : kNaN);
+  table.add("flow_px", measured ? quality.mean_flow_px : kNaN);
+  table.add("condition", measured && quality.condition > 0 ? quality.condition : kNaN);
   for (const auto& [stage, name] : EnumNames<Stage>::value) {
     table.add(std::string(name) + "_ms", estimate.stage_ms[static_cast<std::size_t>(stage)]);
   }
 }
 
-/// Mean velocity between two true positions; nothing where one is not known.
+/// Mean velocity between two true positions; NaN without both.
 Eigen::Vector3d true_velocity(const ReportContent& content, std::size_t i) {
   if (i == 0 || !is_in_metres(content.estimates) || !content.truth[i] || !content.truth[i - 1]) {
-    return nothing();
+    return nan_vector();
   }
   const double dt_s = seconds_between(content.estimates[i - 1].stamp, content.estimates[i].stamp);
-  if (!(dt_s > 0)) return nothing();
+  if (!(dt_s > 0)) return nan_vector();
   return (content.truth[i]->translation - content.truth[i - 1]->translation) / dt_s;
 }
 
@@ -116,7 +117,7 @@ Eigen::Vector3d true_velocity(const ReportContent& content, std::size_t i) {
 
 ReportSeries report_series(const ReportContent& content) {
   Table table;
-  Eigen::Vector3d angles = nothing();
+  Eigen::Vector3d angles = nan_vector();
   for (std::size_t i = 0; i < content.estimates.size(); ++i) {
     const NavigationEstimate& estimate = content.estimates[i];
     const Eigen::Quaterniond& attitude = estimate.world_from_body.rotation;
@@ -128,33 +129,33 @@ ReportSeries report_series(const ReportContent& content) {
     if (!content.truth.empty()) {
       const std::optional<RigidTransform>& truth = content.truth[i];
       const bool has_position = truth && is_in_metres(content.estimates);
-      add_errors(table, estimate, truth, has_position ? truth->translation : nothing(),
+      add_errors(table, estimate, truth, has_position ? truth->translation : nan_vector(),
                  true_velocity(content, i));
-      add_angles(table, "_true", truth ? angles_deg(truth->rotation, unwrapped) : nothing());
+      add_angles(table, "_true", truth ? angles_deg(truth->rotation, unwrapped) : nan_vector());
     }
     add_quality(table, estimate);
   }
   return table.take();
 }
 
-std::vector<VerdictStretch> verdict_stretches(std::span<const NavigationEstimate> estimates) {
-  std::vector<VerdictStretch> stretches;
+std::vector<VerdictInterval> verdict_intervals(std::span<const NavigationEstimate> estimates) {
+  std::vector<VerdictInterval> intervals;
   for (const NavigationEstimate& estimate : estimates) {
     const double t_s = seconds_between(estimates.front().stamp, estimate.stamp);
-    if (!stretches.empty()) stretches.back().end_s = t_s;
-    if (stretches.empty() || stretches.back().verdict != estimate.verdict) {
-      stretches.push_back({.verdict = estimate.verdict, .start_s = t_s, .end_s = t_s});
+    if (!intervals.empty()) intervals.back().end_s = t_s;
+    if (intervals.empty() || intervals.back().verdict != estimate.verdict) {
+      intervals.push_back({.verdict = estimate.verdict, .start_s = t_s, .end_s = t_s});
     }
   }
-  return stretches;
+  return intervals;
 }
 
-nlohmann::json verdict_stretches_json(std::span<const NavigationEstimate> estimates) {
-  nlohmann::json stretches = nlohmann::json::array();
-  for (const VerdictStretch& stretch : verdict_stretches(estimates)) {
-    stretches.push_back({name_of(stretch.verdict), stretch.start_s, stretch.end_s});
+nlohmann::json verdict_intervals_json(std::span<const NavigationEstimate> estimates) {
+  nlohmann::json intervals = nlohmann::json::array();
+  for (const VerdictInterval& interval : verdict_intervals(estimates)) {
+    intervals.push_back({name_of(interval.verdict), interval.start_s, interval.end_s});
   }
-  return stretches;
+  return intervals;
 }
 
 bool is_in_metres(std::span<const NavigationEstimate> estimates) {

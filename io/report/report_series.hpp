@@ -9,27 +9,27 @@
 
 namespace stillkite {
 
-/// Named columns, one value a frame; NaN where there is none. Names end in their unit.
+/// Named columns, one value per frame, NaN if absent. Names end in the unit.
 using ReportSeries = std::map<std::string, std::vector<float>>;
 
-/// What the charts of a report draw over time: time from the first frame, pose, velocity in the
-/// world, their standard deviations, flow quality, times; with truth also the truth and the errors
-/// (estimate minus truth). Angles are unwrapped along the flight.
+/// Time series of a report: time from the first frame, pose, velocity in the world, their standard
+/// deviations, flow quality and stage times; with truth also truth and errors (estimate - truth).
+/// Angles are unwrapped.
 [[nodiscard]] ReportSeries report_series(const ReportContent& content);
 
-/// One verdict's stretch of frames, seconds from the first frame.
-struct VerdictStretch {
+/// Interval of frames with the same verdict, in seconds from the first frame.
+struct VerdictInterval {
   Verdict verdict;
   double start_s;
   double end_s;
 };
-[[nodiscard]] std::vector<VerdictStretch> verdict_stretches(
+[[nodiscard]] std::vector<VerdictInterval> verdict_intervals(
     std::span<const NavigationEstimate> estimates);
 
-/// The same for a page: [[verdict, start_s, end_s], ...].
-[[nodiscard]] nlohmann::json verdict_stretches_json(std::span<const NavigationEstimate> estimates);
+/// Intervals as JSON: [[verdict, start_s, end_s], ...].
+[[nodiscard]] nlohmann::json verdict_intervals_json(std::span<const NavigationEstimate> estimates);
 
-/// Lengths in heights are not to be drawn beside, or subtracted from, true ones in metres.
+/// True if the lengths are metric; otherwise they are in initial heights.
 [[nodiscard]] bool is_in_metres(std::span<const NavigationEstimate> estimates);
 
 }  // namespace stillkite

@@ -1,4 +1,4 @@
-// The hold paper's Table I and ours beside it, in cm, and the headline drawn from it.
+// Table I of the hold paper next to this run's, in cm, and the key figures.
 
 const kPaperTable = {
   on: {mean_m: {x: 36, y: 26, z: 35, all: 34}, std_m: {x: 45, y: 31, z: 43, all: 42}},
@@ -41,10 +41,10 @@ function drawHeadline() {
   const off = ours('off', 'all', 'mean_m');
   const paper = {on: kPaperTable.on.mean_m.all, off: kPaperTable.off.mean_m.all};
   byId('headline').append(
-    tile('Mean displacement, on', on, 'cm', `the paper: ${paper.on} cm`, 3),
-    tile('Mean displacement, off', off, 'cm', `the paper: ${paper.off} cm`, 3),
-    tile('Off over on', on > 0 ? off / on : undefined, '×', `the paper: ${shown(paper.off / paper.on, 2)} ×`, 3),
-    tile('Simulation', (summary.timing || {}).real_time_factor, '× real time', 'all trials together', 3));
+    tile('Mean displacement, on', on, 'cm', `hold paper: ${paper.on} cm`, 3),
+    tile('Mean displacement, off', off, 'cm', `hold paper: ${paper.off} cm`, 3),
+    tile('Ratio off / on', on > 0 ? off / on : undefined, '×', `hold paper: ${shown(paper.off / paper.on, 2)} ×`, 3),
+    tile('Simulation', (summary.timing || {}).real_time_factor, '× real time', 'all trials', 3));
   byId('subtitle').textContent = describeRun();
   byId('summary').textContent = JSON.stringify(summary, null, 2);
 }

@@ -1,4 +1,4 @@
-// Tiles and tables of numbers.
+// Tiles and tables.
 
 function tile(name, value, unit, note, digits = 4) {
   const number = element('div', {className: 'value'}, shown(value, digits), ' ',

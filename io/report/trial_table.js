@@ -1,4 +1,4 @@
-// The figures of each trial, in the order of any column.
+// Table of the trials, sortable by column.
 
 const kTrialColumns = [
   ['axis', row => row.axis], ['on/off', row => row.state], ['policy', row => row.policy || '–'], ['seed', row => row.seed, String],
@@ -6,7 +6,7 @@ const kTrialColumns = [
   ['max', row => centimetres(row.max_m), tenths]
 ];
 
-// What is not known comes last in either order.
+// Missing values come last in both orders.
 function compareValues(a, b, sign) {
   const missing = value => value === undefined || value === null;
   if (missing(a) || missing(b)) return missing(a) - missing(b);

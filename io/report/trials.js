@@ -1,4 +1,4 @@
-// The trials of this page. Axes are the hold paper's: x and z are level, y is up.
+// Trials of this page. Axes of the hold paper: x and z horizontal, y up.
 
 const kAxes = ['x', 'y', 'z'];
 const trials = data.trials.map(trial => ({...trial, state: trial.stabilized ? 'on' : 'off',
@@ -10,10 +10,10 @@ const durationOf = trial => trial.replay.time_s.length ? trial.replay.time_s[tri
 
 const centimetres = value => typeof value === 'number' ? 100 * value : undefined;
 
-// To a tenth, without a minus before a zero.
+// One decimal, without a negative zero.
 const tenths = value => Number.isFinite(value) ? (Math.round(10 * value) / 10 || 0).toFixed(1) : '–';
 
-// What summary.json says of each trial.
+// Rows of summary.json.
 const isOn = row => row.stabilization === 'on' || row.stabilization === true;
 const trialRows = (summary.trials || []).map(row => ({...row, state: isOn(row) ? 'on' : 'off'}));
 const rowOf = trial => trialRows.find(row => row.axis === trial.axis && row.state === trial.state &&

@@ -1,4 +1,4 @@
-// What each frame's answer was worth, over time.
+// Verdicts over time.
 
 function drawStrip(place, stretches) {
   const {context, width, height} = fitCanvas(place, place.clientHeight);
@@ -6,7 +6,7 @@ function drawStrip(place, stretches) {
   const left = kAxisWidth;
   const scale = (width - left) / Math.max(end - start, 1e-9);
   const edge = t => left + Math.min(Math.max((t - start) * scale, 0), width - left);
-  // What is good is drawn first, so that a single bad frame of a long flight still shows.
+  // `ok` first, so that a single other frame stays visible in a long flight
   const ordered = [...stretches].sort((a, b) => (a[0] !== 'ok') - (b[0] !== 'ok'));
   for (const [verdict, from, to] of ordered) {
     if (to < start || from > end) continue;

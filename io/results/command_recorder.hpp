@@ -9,23 +9,23 @@
 
 namespace stillkite {
 
-/// Frames by what the controller answered; together they are all.
+/// Frames with a command and frames on hold; their sum is the number of frames.
 struct CommandCounts {
   std::int64_t issued = 0;
   std::int64_t held = 0;
 };
 
-/// Writes commands.csv as the frames come, and counts.
+/// Writes commands.csv row by row and counts commands.
 class CommandRecorder {
  public:
-  /// Throws InputError if the folder cannot be written.
+  /// Throws InputError if the folder is not writable.
   explicit CommandRecorder(const std::filesystem::path& folder);
 
-  /// Throws std::runtime_error if the disk is full; what was written before can still be committed.
+  /// Throws std::runtime_error if the disk is full; earlier rows can still be committed.
   void add(Timestamp stamp, const HoldDecision& decision);
 
   void finish() { table_.finish(); }
-  /// The file gets its name.
+  /// Renames the file to commands.csv.
   void commit() { table_.commit(); }
 
   [[nodiscard]] const CommandCounts& counts() const { return counts_; }

@@ -62,8 +62,8 @@ class Row {
   std::string text_;
 };
 
-// The camera seen from its reference, in the reference's camera frame; the displacement in metres
-// where it is metric, else a unit vector.
+// Pose of the camera relative to the reference image, in the reference's camera frame. Displacement
+// in metres if metric, else a unit vector.
 void add_reference(Row& row, const std::optional<ReferenceReport>& report) {
   constexpr int kCells = 11;
   if (!report) {
@@ -100,7 +100,7 @@ std::string estimates_csv_row(const NavigationEstimate& e) {
   }
   row.deviations(e.pose_covariance).deviations(e.twist_covariance);
   row.word(name_of(e.scale)).number(e.scale_age_s).whole(e.new_keyframe ? 1 : 0);
-  row.whole(e.quality.windows).number(e.quality.inlier_ratio).number(e.quality.mean_flow_px);
+  row.whole(e.quality.flow_vectors).number(e.quality.inlier_ratio).number(e.quality.mean_flow_px);
   row.number(e.quality.residual_px).number(e.quality.condition);
   add_reference(row, e.reference);
   row.word(name_of(e.source)).numbers(e.stage_ms);

@@ -6,10 +6,10 @@
 
 namespace stillkite {
 
-/// The first line of estimates.csv: names with units, and its end of line.
+/// Header line of estimates.csv: names with units, newline included.
 [[nodiscard]] std::string estimates_csv_header();
 
-/// One frame's line. Cells of what was not measured are empty. Euler angles are ZYX of the body.
+/// Row of one frame, newline included. Unmeasured cells are empty. Euler angles: ZYX, body.
 [[nodiscard]] std::string estimates_csv_row(const NavigationEstimate& estimate);
 
 }  // namespace stillkite

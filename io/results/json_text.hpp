@@ -5,7 +5,7 @@
 
 namespace stillkite {
 
-/// Indented. A name that is no UTF-8, as a file's may be, has its strange bytes replaced.
+/// Indented JSON; bytes that are not UTF-8, such as in file names, are replaced.
 [[nodiscard]] inline std::string json_text(const nlohmann::json& json) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -27,20 +27,20 @@ OutputFile::OutputFile(fs::path file) : part_(std::move(file)) {}
 
 void OutputFile::write(std::string_view text) {
   constexpr std::size_t kBlock = 1 << 14;
-  waiting_ += text;
+  buffer_ += text;
   is_finished_ = false;
-  if (waiting_.size() >= kBlock) flush();
+  if (buffer_.size() >= kBlock) flush();
 }
 
 void OutputFile::flush() {
-  const std::string block = std::exchange(waiting_, {});
+  const std::string block = std::exchange(buffer_, {});
   std::size_t done = 0;
   while (done < block.size()) {
     const ssize_t n = ::write(part_.descriptor(), block.data() + done, block.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       const int error = n < 0 ? errno : ENOSPC;
-      // back to the end of a whole line, so that what is there can be kept
+      // truncate to the last complete line, which can be committed
       const std::size_t line = done > 0 ? block.rfind('\n', done - 1) : std::string::npos;
       if (line != std::string::npos) on_disk_ += static_cast<std::int64_t>(line) + 1;
       has_failed_ = true;
@@ -56,14 +56,14 @@ void OutputFile::flush() {
 void OutputFile::finish() {
   if (is_finished_) return;
   flush();
-  // the data must be on the disk before the name is, or a crash leaves an empty file
+  // data before the rename, or a crash leaves an empty file
   if (fsync(part_.descriptor()) != 0) fail_to_write(part_.file(), errno);
   is_finished_ = true;
 }
 
 void OutputFile::commit() {
   finish();
-  if (has_failed_ && on_disk_ == 0) return;  // an empty file would pass for a result
+  if (has_failed_ && on_disk_ == 0) return;  // no empty result file
   part_.rename();
 }
 
@@ -88,10 +88,10 @@ void protect_inputs(const fs::path& folder, std::initializer_list<const char*> n
                     const std::vector<fs::path>& inputs) {
   for (const fs::path& input : inputs) {
     for (const char* name : names) {
-      std::error_code none_there;
-      if (!fs::equivalent(folder / name, input, none_there)) continue;
+      std::error_code ignored;
+      if (!fs::equivalent(folder / name, input, ignored)) continue;
       throw InputError(fmt::format(
-          "{}: is read, and would be overwritten by the results; choose another folder with --out",
+          "{}: is an input file that the results would overwrite; choose another folder with --out",
           input.string()));
     }
   }
@@ -102,14 +102,14 @@ void prepare_output_folder(const fs::path& folder, std::uintmax_t bytes) {
   fs::create_directories(folder, failure);
   if (failure || !fs::is_directory(folder)) {
     throw InputError(
-        fmt::format("{}: cannot be made a folder: {}; choose another with --out", folder.string(),
-                    failure ? failure.message() : std::string("a file has that name")));
+        fmt::format("{}: cannot create the folder: {}; choose another with --out", folder.string(),
+                    failure ? failure.message() : std::string("a file with this name exists")));
   }
   const OutputFile probe(folder / ".stillkite_probe");
   const fs::space_info space = fs::space(folder, failure);
   if (!failure && space.available < bytes) {
     throw InputError(fmt::format(
-        "{}: the disk has {:.1f} MiB left, this needs {:.1f}; free some space or choose another "
+        "{}: {:.1f} MiB of disk space left, {:.1f} MiB required; free some space or choose another "
         "folder with --out",
         folder.string(), static_cast<double>(space.available) / 1048576.0,
         static_cast<double>(bytes) / 1048576.0));

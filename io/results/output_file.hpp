@@ -12,18 +12,18 @@
 
 namespace stillkite {
 
-/// A file that appears under its name whole or not at all: a PartFile, renamed by commit(), removed
-/// if that is never called. Not being able to create it is an InputError, not
-/// being able to write on a std::runtime_error; both name the file and the reason.
+/// File that appears under its name complete or not at all: a PartFile, renamed by commit(), else
+/// removed. Throws InputError if it cannot be created and std::runtime_error on a write error, each
+/// with file and reason.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path file);
 
-  /// Appends. Where the disk is full the file ends after a whole line and can still be committed.
+  /// Appends text. On a full disk the file ends after a complete line and can still be committed.
   void write(std::string_view text);
-  /// All of it is on the disk, and only the name is missing.
+  /// Flushes everything to disk; commit() then only renames.
   void finish();
-  /// Of a file that the disk had no line's room for nothing is left.
+  /// Finishes and renames; a file without one complete line on a full disk is not created.
   void commit();
 
  private:
@@ -31,24 +31,23 @@ class OutputFile {
 
   PartFile part_;
   std::int64_t on_disk_ = 0;  // bytes
-  bool has_failed_ = false;   // to write; what is on the disk may be kept
+  bool has_failed_ = false;   // a write failed; on_disk_ bytes are valid
   bool is_finished_ = false;
-  std::string waiting_;
+  std::string buffer_;
 };
 
-/// The text under that name, whole or not at all.
+/// Writes a file, complete or not at all.
 void write_file(const std::filesystem::path& file, std::string_view text);
 
-/// The texts under their names: all are on the disk before the first gets its name.
+/// Writes several files; all are on disk before the first is renamed.
 void write_files(const std::filesystem::path& folder,
                  std::initializer_list<std::pair<const char*, std::string>> texts);
 
-/// Throws InputError where one of the `inputs` is the file of that name, which is to be written.
+/// Throws InputError if one of `inputs` is the output file folder/name of one of `names`.
 void protect_inputs(const std::filesystem::path& folder, std::initializer_list<const char*> names,
                     const std::vector<std::filesystem::path>& inputs);
 
-/// Makes the folder and proves that files can be written there and that it has room for `bytes`.
-/// Throws InputError otherwise.
+/// Creates the folder. Throws InputError if it is not writable or has less than `bytes` of space.
 void prepare_output_folder(const std::filesystem::path& folder, std::uintmax_t bytes);
 
 }  // namespace stillkite

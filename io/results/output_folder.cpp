@@ -10,17 +10,16 @@ OutputFolder::OutputFolder(const fs::path& folder, std::uintmax_t bytes)
     : folder_(fs::absolute(folder).lexically_normal()) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "out/" is "out"
   std::error_code failure;
-  // what a link names takes its files, not the link's place
+  // write to the link's target
   if (fs::is_symlink(folder_, failure)) folder_ = fs::weakly_canonical(folder_);
   part_ = fs::path(folder_) += ".part";
   if (fs::exists(folder_, failure) &&
       !(fs::is_directory(folder_, failure) && fs::is_empty(folder_, failure))) {
     throw InputError(folder.string() +
-                     ": is there already; remove it or choose another folder with --out");
+                     ": already exists; remove it or choose another folder with --out");
   }
   if (fs::exists(part_, failure)) {
-    throw InputError(part_.string() +
-                     ": is there already, left by a call that was killed or yours; remove it");
+    throw InputError(part_.string() + ": already exists, possibly left by a killed run; remove it");
   }
   prepare_output_folder(part_, bytes);
 }

@@ -5,18 +5,18 @@
 
 namespace stillkite {
 
-/// A folder that appears under its name whole or not at all: filled beside it as NAME.part, renamed
-/// by commit(), removed if that is never called.
+/// Folder that appears under its name complete or not at all: filled as NAME.part, renamed by
+/// commit(), else removed.
 class OutputFolder {
  public:
-  /// Throws InputError if something other than an empty folder has the name, if there is a
-  /// NAME.part, if nothing can be written there, and if the disk has less than `bytes` left.
+  /// Throws InputError if the name exists and is not an empty folder, if NAME.part exists, if the
+  /// folder is not writable, or has less than `bytes` of space.
   OutputFolder(const std::filesystem::path& folder, std::uintmax_t bytes);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write until commit().
+  /// Folder to write to until commit().
   [[nodiscard]] const std::filesystem::path& part() const { return part_; }
   void commit();
 

@@ -19,29 +19,29 @@ namespace stillkite {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kEnding = ".part";
+constexpr const char* kExtension = ".part";
 
 fs::path part_name(const fs::path& file, int attempt) {
-  return fs::path(file) += attempt == 0 ? fmt::format(".{}{}", getpid(), kEnding)
-                                        : fmt::format(".{}-{}{}", getpid(), attempt, kEnding);
+  return fs::path(file) += attempt == 0 ? fmt::format(".{}{}", getpid(), kExtension)
+                                        : fmt::format(".{}-{}{}", getpid(), attempt, kExtension);
 }
 
 bool is_part_of(const std::string& name, const std::string& file) {
-  if (!name.starts_with(file) || !name.ends_with(kEnding)) return false;
-  const std::size_t beside = file.size() + std::strlen(kEnding);
-  if (name.size() <= beside) return name.size() == beside;
-  const std::string between = name.substr(file.size(), name.size() - beside);
+  if (!name.starts_with(file) || !name.ends_with(kExtension)) return false;
+  const std::size_t min_size = file.size() + std::strlen(kExtension);
+  if (name.size() <= min_size) return name.size() == min_size;
+  const std::string between = name.substr(file.size(), name.size() - min_size);
   return between[0] == '.' && between.find_first_not_of("0123456789-", 1) == std::string::npos;
 }
 
-// Whoever cleared up between the two calls has taken its name.
+// False if another process removed the file between open and flock.
 bool lock_new_file(int descriptor) {
   flock(descriptor, LOCK_EX | LOCK_NB);
   struct stat status {};
   return fstat(descriptor, &status) == 0 && status.st_nlink > 0;
 }
 
-// A file that can be locked has no writer.
+// A lockable file has no writer.
 void remove_unless_written(const fs::path& part) {
   const int descriptor = open(part.c_str(), O_WRONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
   if (descriptor < 0) return;
@@ -54,9 +54,9 @@ void remove_unless_written(const fs::path& part) {
 }  // namespace
 
 PartFile::PartFile(fs::path file) : file_(std::move(file)) {
-  constexpr int kMostAttempts = 1000;
-  remove_parts_left_of(file_);
-  for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+  constexpr int kMaxAttempts = 1000;
+  remove_stale_parts(file_);
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
     part_ = part_name(file_, attempt);
     descriptor_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST) break;
@@ -86,7 +86,7 @@ void PartFile::rename() {
   close(std::exchange(descriptor_, -1));
 }
 
-void remove_parts_left_of(const fs::path& file) {
+void remove_stale_parts(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   const std::string name = file.filename().string();
   std::error_code failure;

@@ -4,22 +4,22 @@
 
 namespace stillkite {
 
-/// A new file beside the one that it will become, NAME.PID.part. It is this process's alone, which
-/// holds a lock on it; what a killed one left under such a name is removed.
+/// Temporary file NAME.PID.part next to its final name, locked by this process. Stale ones of
+/// killed processes are removed.
 class PartFile {
  public:
-  /// Throws InputError, which names the file and the reason.
+  /// Throws InputError with file and reason.
   explicit PartFile(std::filesystem::path file);
   PartFile(PartFile&& other) noexcept;
   PartFile& operator=(PartFile&&) = delete;
-  /// Removes it unless it has been renamed.
+  /// Removes the file unless renamed.
   ~PartFile();
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] const std::filesystem::path& path() const { return part_; }
   [[nodiscard]] int descriptor() const { return descriptor_; }
 
-  /// The file gets its name. Throws std::runtime_error.
+  /// Renames the file to file(). Throws std::runtime_error.
   void rename();
 
  private:
@@ -28,11 +28,11 @@ class PartFile {
   int descriptor_ = -1;
 };
 
-/// Removes what killed processes left of the file. What one that lives is writing stays.
-void remove_parts_left_of(const std::filesystem::path& file);
+/// Removes the part files of killed processes; those of running processes are locked and stay.
+void remove_stale_parts(const std::filesystem::path& file);
 
-/// While it lives no other one of that folder does, in any process: results of two runs that end at
-/// once do not mix. Where the file system has no locks it does nothing.
+/// Exclusive lock on a folder across processes, so that results of simultaneous runs do not mix. No
+/// effect on file systems without locks.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);

@@ -8,19 +8,19 @@
 
 namespace stillkite {
 
-/// Writes a run's estimates.csv and trajectory.tum as the frames come, and keeps the estimates for
-/// what is made of them at the end.
+/// Writes estimates.csv and trajectory.tum frame by frame and stores the estimates for summary and
+/// report.
 class RunRecorder {
  public:
-  /// Throws InputError if the folder cannot be written.
+  /// Throws InputError if the folder is not writable.
   explicit RunRecorder(const std::filesystem::path& folder);
 
-  /// Throws std::runtime_error if the disk is full; what was written before can still be committed.
+  /// Throws std::runtime_error if the disk is full; earlier frames can still be committed.
   void add(const NavigationEstimate& estimate);
 
-  /// Both files are on the disk, and only their names are missing.
+  /// Flushes both files to disk; commit() then only renames.
   void finish();
-  /// Both files get their names.
+  /// Renames both files.
   void commit();
 
   [[nodiscard]] const std::vector<NavigationEstimate>& estimates() const { return estimates_; }

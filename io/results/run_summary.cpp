@@ -23,11 +23,11 @@ json numbers(const auto& values) {
   return list;
 }
 
-// Nearest rank; null without values.
-json quantile(std::vector<float> values, double share) {
+// Nearest-rank quantile; null without values.
+json quantile(std::vector<float> values, double ratio) {
   if (values.empty()) return nullptr;
   const auto rank =
-      static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size())) - 1);
+      static_cast<std::ptrdiff_t>(std::ceil(ratio * static_cast<double>(values.size())) - 1);
   const auto at = values.begin() + std::max<std::ptrdiff_t>(0, rank);
   std::nth_element(values.begin(), at, values.end());
   return number(*at);
@@ -99,7 +99,7 @@ json run_summary(std::span<const NavigationEstimate> estimates, const RunFacts& 
         {"unit", last == nullptr || last->scale == ScaleSource::none ? "initial_height" : "m"}}},
       {"commands", command_counts(facts.commands)},
       {"interrupted", facts.interrupted},
-      {"source_complaint", facts.complaint ? json(*facts.complaint) : json(nullptr)},
+      {"source_complaint", facts.problem ? json(*facts.problem) : json(nullptr)},
       {"evaluation", std::move(evaluation)},
   };
 }

@@ -10,22 +10,22 @@
 
 namespace stillkite {
 
-/// What summary.json says beside the estimates themselves.
+/// Facts of a run for summary.json, in addition to its estimates.
 struct RunFacts {
-  std::int64_t frames_read = 0;     ///< those that could not be decoded too
-  std::span<const float> frame_ms;  ///< the estimator's time for each frame
-  double wall_s = 0;                ///< of the whole loop, decoding included
+  std::int64_t frames_read = 0;     ///< undecodable ones included
+  std::span<const float> frame_ms;  ///< estimator time of each frame
+  double wall_s = 0;                ///< whole loop, decoding included
   bool interrupted = false;
-  std::optional<std::string> complaint;   ///< about the source
-  std::optional<CommandCounts> commands;  ///< where a controller ran
+  std::optional<std::string> problem;     ///< of the source: undecodable or truncated images
+  std::optional<CommandCounts> commands;  ///< nullopt without a controller
 };
 
-/// summary.json: every number is finite or null. A frame is used if its image moved the estimate
-/// (verdict ok, or first_frame); all others that were read are rejected. `evaluation` may be null.
+/// summary.json; every number is finite or null. `frames.used`: verdicts ok and first_frame; all
+/// other frames read are `rejected`. `evaluation` may be null.
 [[nodiscard]] nlohmann::json run_summary(std::span<const NavigationEstimate> estimates,
                                          const RunFacts& facts, nlohmann::json evaluation);
 
-/// The most memory that this process has used so far.
+/// Peak resident memory of this process.
 [[nodiscard]] double peak_rss_mib();
 
 }  // namespace stillkite

@@ -8,13 +8,13 @@
 
 namespace stillkite {
 
-/// Hands values from one thread to another; a writer that is `capacity` ahead waits.
+/// Thread-safe FIFO queue; push() blocks while it holds `capacity` values.
 template <typename T>
 class BoundedQueue {
  public:
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Waits for room; false if the queue was closed.
+  /// Blocks until there is space; false if the queue is closed.
   bool push(T value) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || values_.size() < capacity_; });
@@ -24,7 +24,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits for a value; nothing once the queue is closed and empty.
+  /// Blocks until there is a value; nullopt once the queue is closed and empty.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || !values_.empty(); });
@@ -35,7 +35,7 @@ class BoundedQueue {
     return value;
   }
 
-  /// No more values will come; both sides stop waiting.
+  /// Ends the stream and unblocks both sides.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;

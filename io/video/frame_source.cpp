@@ -21,7 +21,7 @@ namespace stillkite {
 namespace fs = std::filesystem;
 namespace {
 
-// Enough to hide the jitter of a decoder that works on several frames at once.
+// Hides the jitter of a multi-threaded decoder.
 constexpr std::size_t kDecodeAhead = 4;
 
 using Reader = std::variant<VideoReader, ImageSequence>;
@@ -40,7 +40,7 @@ Reader open_reader(const SourceConfig& config) {
   const fs::path& path = config.path;
   if (path.empty()) {
     throw InputError(
-        "source.path is not given; set it to a video, a EuRoC data set or a folder of "
+        "source.path is not set; set it to a video, a EuRoC data set or a folder of "
         "images");
   }
   if (config.end_s && *config.end_s <= config.start_s) {
@@ -51,13 +51,14 @@ Reader open_reader(const SourceConfig& config) {
     throw InputError(path.string() + ": no such file or folder; check source.path");
   }
   if (is_special_file(path)) {
-    throw InputError(path.string() + ": is a pipe or a device, a file or a folder is needed");
+    throw InputError(path.string() + ": is a pipe or a device, expected a file or a folder");
   }
   if (!fs::is_directory(path)) {
     if (fs::is_regular_file(path) && fs::file_size(path) == 0) {
       throw InputError(path.string() + ": the file is empty");
     }
-    if (config.bits) throw InputError("source.bits: a video tells by itself how bright it is");
+    if (config.bits)
+      throw InputError("source.bits: only for 16-bit image files; remove it for a video");
     return VideoReader(path, config.start_s, config.rate_hz);
   }
   if (const auto dataset = find_euroc_dataset(path)) {
@@ -67,7 +68,7 @@ Reader open_reader(const SourceConfig& config) {
   std::vector<StampedImage> images = list_images(path, has_rate ? *config.rate_hz : 1.0);
   if (!has_rate) {
     throw InputError(path.string() +
-                     ": images without stamps; give their frames per second as "
+                     ": the images have no time stamps; set their frame rate as "
                      "source.rate_hz");
   }
   return ImageSequence(images_between(std::move(images), config), config.bits);
@@ -98,21 +99,22 @@ struct FrameSource::State {
   std::optional<Frame> take();
 
   SourceConfig config;
-  Reader reader;  // of the decoding thread until the queue is closed
+  Reader reader;  // owned by the decoding thread until the queue is closed
   std::optional<std::int64_t> expected;
   BoundedQueue<ReadResult> queue{kDecodeAhead};
-  std::exception_ptr failure;  // these two are written before the queue is closed, read after
+  // failure, reader_ended: written before, read after the queue is closed
+  std::exception_ptr failure;
   bool reader_ended = false;
   std::atomic<std::int64_t> decoding_ns = 0;
 
   std::optional<Frame> first;
-  bool first_is_taken = false;
+  bool first_returned = false;
   std::optional<Timestamp> last_stamp;
   std::int64_t read = 0;
   std::int64_t undecodable = 0;
-  std::int64_t out_of_turn = 0;  // not later than the one before
+  std::int64_t out_of_order = 0;  // time stamps that do not increase
   bool at_end = false;
-  std::thread thread;  // last: it uses all of the above
+  std::thread thread;  // last: uses all other members
 };
 
 void FrameSource::State::decode_all() {
@@ -147,7 +149,7 @@ std::optional<Frame> FrameSource::State::take() {
       continue;
     }
     if (last_stamp && result->frame.stamp <= *last_stamp) {
-      ++out_of_turn;
+      ++out_of_order;
       continue;
     }
     result->frame.index = index;
@@ -167,8 +169,7 @@ FrameSource::FrameSource(const SourceConfig& config) : state_(std::make_unique<S
     const bool is_cut = config.start_s > 0 || config.end_s.has_value();
     throw InputError(config.path.string() +
                      (s.read == 0 && is_cut ? ": no image between source.start_s and source.end_s"
-                                            : ": not one image can be decoded; the file is "
-                                              "damaged"));
+                                            : ": no image can be decoded; the file is damaged"));
   }
 }
 
@@ -181,7 +182,7 @@ const Frame& FrameSource::first() const {
 }
 
 std::optional<Frame> FrameSource::next() {
-  if (std::exchange(state_->first_is_taken, true)) return state_->take();
+  if (std::exchange(state_->first_returned, true)) return state_->take();
   return state_->first;
 }
 
@@ -189,7 +190,7 @@ std::int64_t FrameSource::read() const {
   return state_->read;
 }
 std::int64_t FrameSource::rejected() const {
-  return state_->undecodable + state_->out_of_turn;
+  return state_->undecodable + state_->out_of_order;
 }
 double FrameSource::decoding_s() const {
   return 1e-9 * static_cast<double>(state_->decoding_ns);
@@ -198,34 +199,34 @@ std::optional<std::int64_t> FrameSource::expected() const {
   return state_->expected;
 }
 
-bool FrameSource::is_turned() const {
+bool FrameSource::is_rotated() const {
   const auto* video = std::get_if<VideoReader>(&state_->reader);
-  return video != nullptr && video->is_turned();
+  return video != nullptr && video->is_rotated();
 }
 
-std::optional<std::string> FrameSource::complaint() const {
+std::optional<std::string> FrameSource::problem() const {
   const State& s = *state_;
   std::string found;
   const auto add = [&](const std::string& sentence) {
     found += (found.empty() ? "" : "; ") + sentence;
   };
   const auto* video = std::get_if<VideoReader>(&s.reader);
-  if (video != nullptr && video->oblong_pixels()) add(*video->oblong_pixels());
-  // the decoding thread has let go of the reader only at the end
+  if (video != nullptr && video->non_square_pixels()) add(*video->non_square_pixels());
+  // the decoding thread owns the reader until the end
   if (s.at_end && s.reader_ended && video != nullptr) {
     if (const std::optional<std::string> truncation = video->truncation()) add(*truncation);
   }
   const std::string path = s.config.path.string();
   if (s.undecodable > 0) {
-    add(fmt::format("{}: {} of {} images cannot be decoded and are left out{}", path, s.undecodable,
-                    s.read,
-                    video == nullptr ? ""
-                                     : " (those predicted from them are damaged, too, and what is "
-                                       "estimated there is worse than it claims)"));
+    add(fmt::format(
+        "{}: {} of {} images cannot be decoded and are skipped{}", path, s.undecodable, s.read,
+        video == nullptr ? ""
+                         : " (images predicted from them are damaged, so the covariance "
+                           "is optimistic there)"));
   }
-  if (s.out_of_turn > 0) {
-    add(fmt::format("{}: {} of {} images are not later than the one before and are left out", path,
-                    s.out_of_turn, s.read));
+  if (s.out_of_order > 0) {
+    add(fmt::format("{}: {} of {} images have time stamps that do not increase and are skipped",
+                    path, s.out_of_order, s.read));
   }
   return found.empty() ? std::nullopt : std::optional(found);
 }

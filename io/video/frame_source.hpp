@@ -10,40 +10,39 @@
 
 namespace stillkite {
 
-/// Frames of a video, a data set or a folder, decoded ahead on a thread of its own. Memory does not
-/// grow with the number of frames as long as the user lets go of them.
+/// Frames of a video, data set or folder, decoded ahead on a separate thread. Memory is bounded if
+/// the caller releases the frames.
 class FrameSource {
  public:
-  /// Throws InputError if there is nothing to read, or not one image that can be decoded.
+  /// Throws InputError if the source is missing or no image can be decoded.
   explicit FrameSource(const SourceConfig& config);
   ~FrameSource();
   FrameSource(FrameSource&&) noexcept;
   FrameSource& operator=(FrameSource&&) noexcept;
 
-  /// The first frame, which next() will give too.
+  /// First frame; next() returns it, too.
   [[nodiscard]] const Frame& first() const;
 
-  /// Frames in the order of their stamps. What cannot be decoded, and what does not come later than
-  /// the frame before, is skipped and counted. Nothing at the end. Throws InputError where the
-  /// source breaks its promises half way, such as another image size.
+  /// Next frame, stamps ascending; nullopt at the end. Undecodable images and stamps that do not
+  /// increase are skipped and counted. Throws InputError if the image size changes.
   [[nodiscard]] std::optional<Frame> next();
 
-  /// Images so far: handed out and skipped.
+  /// Images read so far: returned and skipped.
   [[nodiscard]] std::int64_t read() const;
   [[nodiscard]] std::int64_t rejected() const;
 
-  /// What decoding has taken so far, beside whatever was done with the frames.
+  /// Time of decoding so far, on its own thread.
   [[nodiscard]] double decoding_s() const;
 
-  /// How many there should be in all, for progress.
+  /// Expected number of frames, for progress; nullopt if unknown.
   [[nodiscard]] std::optional<std::int64_t> expected() const;
 
-  /// The images' rows are not the sensor's, see VideoReader::is_turned.
-  [[nodiscard]] bool is_turned() const;
+  /// True if image rows are not sensor rows; see VideoReader::is_rotated.
+  [[nodiscard]] bool is_rotated() const;
 
-  /// What was wrong with the source so far, if anything: pixels that are told not to be square,
-  /// images that were skipped and, after the end, a truncated file.
-  [[nodiscard]] std::optional<std::string> complaint() const;
+  /// Problems of the source so far: non-square pixels, skipped images and, after the end,
+  /// truncation. Nullopt without any.
+  [[nodiscard]] std::optional<std::string> problem() const;
 
  private:
   struct State;

@@ -6,7 +6,7 @@
 namespace stillkite {
 namespace {
 
-// Other threads drop their references while this looks: read the count as they write it.
+// Atomic read of the reference count, which other threads decrement.
 bool is_held_by_pool_alone(const cv::Mat& image) {
   return image.u != nullptr && CV_XADD(&image.u->refcount, 0) == 1;
 }
@@ -19,8 +19,8 @@ cv::Mat ImagePool::take() const {
 }
 
 void ImagePool::keep(const cv::Mat& image) {
-  const auto same = [&](const cv::Mat& known) { return known.u == image.u; };
-  if (std::none_of(images_.begin(), images_.end(), same)) images_.push_back(image);
+  const auto is_same = [&](const cv::Mat& kept) { return kept.u == image.u; };
+  if (std::none_of(images_.begin(), images_.end(), is_same)) images_.push_back(image);
 }
 
 }  // namespace stillkite

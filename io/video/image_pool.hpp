@@ -5,14 +5,14 @@
 
 namespace stillkite {
 
-/// Images that are used again once nobody else holds them, so that a long video needs no more
-/// memory than a short one. Used by one thread; the holders may be in others.
+/// Pool of image buffers, reused once all other references are released. The pool belongs to one
+/// thread; references may be held by others.
 class ImagePool {
  public:
-  /// An image that is free, or an empty one if all are held.
+  /// Free buffer, or an empty image if all are in use.
   [[nodiscard]] cv::Mat take() const;
 
-  /// Remembers an image for later use.
+  /// Adds an image to the pool.
   void keep(const cv::Mat& image);
 
  private:

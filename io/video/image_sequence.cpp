@@ -25,18 +25,18 @@ bool load(const std::filesystem::path& file, std::vector<unsigned char>& bytes) 
 
 }  // namespace
 
-// What uses few of its bits is black in the highest eight.
+// Conversion by the 8 most significant of the used bits.
 cv::Mat ImageSequence::to_8_bits(const StampedImage& image, cv::Mat recycled) {
-  constexpr int kFewestByDefault = 15;
+  constexpr int kMinDefaultBits = 15;
   if (!bits_) {
-    double brightest = 0;
-    cv::minMaxLoc(deep_, nullptr, &brightest);
-    const int used = std::bit_width(static_cast<unsigned>(brightest));
-    if (used < kFewestByDefault) {
+    double max_value = 0;
+    cv::minMaxLoc(deep_, nullptr, &max_value);
+    const int used_bits = std::bit_width(static_cast<unsigned>(max_value));
+    if (used_bits < kMinDefaultBits) {
       throw InputError(fmt::format(
-          "{}: of 16 bits a pixel, but none is brighter than {}; give the bits that the camera "
-          "uses as source.bits ({}, or 16 if the scene is as dark as that)",
-          image.file.string(), brightest, std::max(used, 8)));
+          "{}: 16-bit image with a maximum value of {}; set source.bits to the significant bits of "
+          "the camera ({}, or 16 for a dark scene)",
+          image.file.string(), max_value, std::max(used_bits, 8)));
     }
     bits_ = 16;
   }
@@ -55,15 +55,15 @@ ReadResult ImageSequence::read(cv::Mat recycled) {
       grey = cv::imdecode(bytes_, kGrey, deep_.empty() ? &recycled : &deep_);
     }
   } catch (const cv::Exception&) {
-    // a header that promises an absurd size; no other image is lost by it
+    // invalid image size in the header
     grey.release();
   }
   if (grey.depth() != CV_8U && grey.depth() != CV_16U) grey.release();
   if (grey.empty()) return {.status = ReadResult::Status::undecodable};
   if (size_.area() > 0 && grey.size() != size_) {
-    throw InputError(
-        fmt::format("{}: is {}x{}, the images before are {}x{}; one calibration cannot serve both",
-                    image.file.string(), grey.cols, grey.rows, size_.width, size_.height));
+    throw InputError(fmt::format(
+        "{}: image size {}x{} differs from {}x{} before; one calibration needs one size",
+        image.file.string(), grey.cols, grey.rows, size_.width, size_.height));
   }
   size_ = grey.size();
   if (grey.depth() == CV_16U) {
@@ -72,9 +72,9 @@ ReadResult ImageSequence::read(cv::Mat recycled) {
     grey = to_8_bits(image, is_first ? cv::Mat() : recycled);
   } else if (bits_ && deep_.empty()) {
     throw InputError(
-        fmt::format("{}: of 8 bits a pixel; source.bits is for images of 16", image.file.string()));
+        fmt::format("{}: 8-bit image; source.bits is only for 16-bit images", image.file.string()));
   } else {
-    deep_.release();  // it may be the one that is given away
+    deep_.release();  // may share the returned buffer
   }
   return {.status = ReadResult::Status::frame, .frame = {.stamp = image.stamp, .grey = grey}};
 }

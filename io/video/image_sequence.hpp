@@ -8,15 +8,15 @@
 
 namespace stillkite {
 
-/// Reads images from files, as grey of 8 bits. A file's rotation mark is ignored.
+/// Reads image files as 8-bit grey images. EXIF orientation is ignored.
 class ImageSequence {
  public:
-  /// Of images of 16 bits a pixel the lowest `bits` are used; without a word of it all of them.
+  /// `bits`: significant (lowest) bits of 16-bit images; nullopt: all 16.
   ImageSequence(std::vector<StampedImage> images, std::optional<int> bits)
       : images_(std::move(images)), bits_(bits) {}
 
-  /// The next image, in `recycled` if that has its size. Throws InputError if the images change
-  /// their size, or seem to use fewer bits than they are told to.
+  /// Next image, stored in `recycled` if the size matches. Throws InputError if the image size
+  /// changes, or if 16-bit images use fewer than 15 bits and `bits` is not given.
   [[nodiscard]] ReadResult read(cv::Mat recycled);
 
   [[nodiscard]] std::size_t count() const { return images_.size(); }
@@ -25,11 +25,11 @@ class ImageSequence {
   cv::Mat to_8_bits(const StampedImage& image, cv::Mat recycled);
 
   std::vector<StampedImage> images_;
-  std::optional<int> bits_;  // that are used, of 16
+  std::optional<int> bits_;  // significant bits of 16
   std::size_t at_ = 0;
   cv::Size size_;
-  cv::Mat deep_;                      // an image of 16 bits
-  std::vector<unsigned char> bytes_;  // of one file
+  cv::Mat deep_;                      // 16-bit image
+  std::vector<unsigned char> bytes_;  // file content
 };
 
 }  // namespace stillkite

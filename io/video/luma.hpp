@@ -8,7 +8,7 @@ struct SwsContext;
 
 namespace stillkite {
 
-/// Takes the grey image out of a decoded one.
+/// Extracts the grey image of a decoded frame.
 class LumaExtractor {
  public:
   LumaExtractor();
@@ -16,8 +16,8 @@ class LumaExtractor {
   LumaExtractor(LumaExtractor&&) noexcept;
   LumaExtractor& operator=(LumaExtractor&&) noexcept;
 
-  /// CV_8UC1 of the frame's size, in `recycled` if that fits. Empty if the pixel format is none
-  /// that can be turned to grey.
+  /// CV_8UC1 image of the frame's size, stored in `recycled` if it fits. Empty if the pixel format
+  /// cannot be converted.
   [[nodiscard]] cv::Mat extract(const AVFrame& frame, cv::Mat recycled);
 
  private:

@@ -6,25 +6,24 @@
 #include "geometry/camera.hpp"
 #include "geometry/rigid_transform.hpp"
 #include "navigation/navigation_estimate.hpp"
-#include "navigation/window_flow.hpp"
+#include "navigation/weighted_flow.hpp"
 
 namespace stillkite {
 
-/// What was seen and concluded, drawn over the frames of one video: flow of the windows (thin
-/// arrows; outliers red), the velocity as the image shows it (thick arrow, and a winged ring
-/// where the camera flies to), horizon, nadir, verdict and figures. One object a video: its buffer
-/// is kept, and the velocity arrow's scale follows the fastest frame so far.
+/// Overlay of a video: flow vectors (thin arrows; outliers red), image-plane velocity (thick
+/// arrow), focus of expansion (winged ring), horizon, nadir, verdict and numbers. One object per
+/// video: it reuses its buffer and scales the velocity arrow by the maximum speed so far.
 class Overlay {
  public:
   Overlay(const Camera& camera, const RigidTransform& body_from_camera);
 
-  /// Of the drawn images: even, small frames are enlarged by a whole factor.
+  /// Size of the drawn images: even; small frames are enlarged by an integer factor.
   [[nodiscard]] cv::Size size() const { return size_; }
 
-  /// `grey`: the frame of the estimate, CV_8UC1. The image, CV_8UC3, is valid until the next
-  /// call.
+  /// Draws on `grey`, the frame of the estimate (CV_8UC1). The returned CV_8UC3 image is valid
+  /// until the next call.
   [[nodiscard]] const cv::Mat& draw(const cv::Mat& grey, const NavigationEstimate& estimate,
-                                    std::span<const WindowFlow> windows);
+                                    std::span<const WeightedFlow> flow_vectors);
 
  private:
   void paint_background(const cv::Mat& grey);
@@ -34,7 +33,7 @@ class Overlay {
   int zoom_;
   cv::Size size_;
   cv::Mat image_;
-  double fastest_m_s_ = 0;
+  double max_speed_m_s_ = 0;
 };
 
 }  // namespace stillkite

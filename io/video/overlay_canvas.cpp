@@ -8,7 +8,7 @@ namespace stillkite {
 namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
-constexpr double kCapitalAtScaleOne = 22;  // px, of that font
+constexpr double kCapitalAtScaleOne = 22;  // px, cap height of kFont
 constexpr int kShift = 4;                  // sub-pixel bits of OpenCV's drawing
 
 cv::Point fixed(const cv::Point2d& p) {

@@ -5,8 +5,8 @@
 namespace stillkite {
 namespace {
 
-/// Pixel of a point of the plane z = 1, if it is in the image and the lens model holds there:
-/// far outside a distortion polynomial folds points back into the image.
+/// Pixel of a point of the plane z = 1, if inside the image. Rejects points outside the valid range
+/// of the distortion polynomial, which folds them back into the image.
 std::optional<Eigen::Vector2d> visible(const Camera& camera, const Eigen::Vector2d& point) {
   const Eigen::Vector2d pixel = distort(camera, point).pixel;
   const bool inside = pixel.x() >= -0.5 && pixel.x() <= camera.width_px - 0.5 &&
@@ -21,7 +21,7 @@ std::optional<Eigen::Vector2d> visible(const Camera& camera, const Eigen::Vector
 
 std::vector<Eigen::Vector2d> horizon_pixels(const Camera& camera,
                                             const Eigen::Quaterniond& world_from_camera) {
-  // n . (x, y, 1) = 0 with n the world's vertical, seen from the camera.
+  // Horizon: n . (x, y, 1) = 0, n = vertical of the world in the camera frame.
   const Eigen::Vector3d n = world_from_camera.conjugate() * Eigen::Vector3d::UnitZ();
   const double slope = n.head<2>().norm();
   if (slope < 1e-9) return {};
@@ -29,11 +29,11 @@ std::vector<Eigen::Vector2d> horizon_pixels(const Camera& camera,
   Eigen::Vector2d along = Eigen::Vector2d(-n.y(), n.x()) / slope;
   if (along.x() < 0) along = -along;
   std::vector<Eigen::Vector2d> pixels;
-  // Evenly spaced in the angle at the camera, so that a wide lens is sampled evenly too.
+  // Uniform in the viewing angle, for wide-angle lenses.
   constexpr int kHalfSamples = 200;
-  constexpr double kWidest = 1.5;  // rad to either side
+  constexpr double kMaxAngle_rad = 1.5;  // to either side
   for (int i = -kHalfSamples; i <= kHalfSamples; ++i) {
-    const double t = std::tan(kWidest * i / kHalfSamples);
+    const double t = std::tan(kMaxAngle_rad * i / kHalfSamples);
     if (const auto pixel = visible(camera, foot + t * along)) pixels.push_back(*pixel);
   }
   return pixels;
@@ -41,8 +41,8 @@ std::vector<Eigen::Vector2d> horizon_pixels(const Camera& camera,
 
 std::optional<Eigen::Vector2d> direction_pixel(const Camera& camera,
                                                const Eigen::Vector3d& direction_in_camera) {
-  constexpr double kSmallestCosine = 1e-3;
-  if (!(direction_in_camera.z() > kSmallestCosine * direction_in_camera.norm())) {
+  constexpr double kMinCosine = 1e-3;
+  if (!(direction_in_camera.z() > kMinCosine * direction_in_camera.norm())) {
     return std::nullopt;
   }
   return visible(camera, direction_in_camera.hnormalized());

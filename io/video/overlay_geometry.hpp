@@ -9,12 +9,11 @@
 
 namespace stillkite {
 
-/// Points of the image, from left to right, where the camera sees the horizon, through the
-/// lens; empty when it is out of the image.
+/// Pixels of the horizon through the lens model, from left to right; empty if outside the image.
 [[nodiscard]] std::vector<Eigen::Vector2d> horizon_pixels(
     const Camera& camera, const Eigen::Quaterniond& world_from_camera);
 
-/// Where the camera sees what lies in that direction; nothing when it is out of the image.
+/// Pixel of a direction; nullopt if outside the image or behind the camera.
 [[nodiscard]] std::optional<Eigen::Vector2d> direction_pixel(
     const Camera& camera, const Eigen::Vector3d& direction_in_camera);
 

@@ -4,11 +4,11 @@
 
 namespace stillkite {
 
-/// What a reader of images hands out next.
+/// Result of reading the next image.
 struct ReadResult {
   enum class Status {
     frame,
-    undecodable,  ///< there is an image here, but not one that can be looked at
+    undecodable,  ///< damaged image or unsupported pixel format
     end,
   };
   Status status = Status::end;

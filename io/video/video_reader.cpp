@@ -13,7 +13,7 @@ extern "C" {
 #include <opencv2/core.hpp>
 
 #include "geometry/fields.hpp"
-#include "io/video/display_turn.hpp"
+#include "io/video/display_rotation.hpp"
 #include "io/video/luma.hpp"
 
 namespace stillkite {
@@ -32,19 +32,19 @@ constexpr AVRational kNanoseconds{1, 1'000'000'000};
 
 Owned<AVFormatContext> open_container(const std::string& name) {
   AVDictionary* options = nullptr;
-  // a play list must not reach out for other files or hosts
+  // no network access by play lists
   av_dict_set(&options, "protocol_whitelist", "file", 0);
   AVFormatContext* context = nullptr;
   const int error = avformat_open_input(&context, name.c_str(), nullptr, &options);
   av_dict_free(&options);
   if (error < 0) {
     throw InputError(name +
-                     ": is no video file, or its beginning or its index is missing (an "
-                     "interrupted recording or download)");
+                     ": not a video file, or its header or index is missing (interrupted recording "
+                     "or download)");
   }
   Owned<AVFormatContext> container(context);
   if (avformat_find_stream_info(context, nullptr) < 0) {
-    throw InputError(name + ": the video's streams cannot be read; the file is damaged");
+    throw InputError(name + ": cannot read the streams; the file is damaged");
   }
   return container;
 }
@@ -52,22 +52,22 @@ Owned<AVFormatContext> open_container(const std::string& name) {
 Owned<AVCodecContext> open_decoder(const AVStream& stream, const AVCodec* codec,
                                    const std::string& name) {
   Owned<AVCodecContext> decoder(avcodec_alloc_context3(codec));
-  decoder->thread_count = 0;  // as many as the machine has cores
+  decoder->thread_count = 0;  // one per core
   if (avcodec_parameters_to_context(decoder.get(), stream.codecpar) < 0 ||
       avcodec_open2(decoder.get(), codec, nullptr) < 0) {
-    throw InputError(fmt::format("{}: the decoder for {} does not take this video", name,
+    throw InputError(fmt::format("{}: the {} decoder does not support this video", name,
                                  avcodec_get_name(stream.codecpar->codec_id)));
   }
   return decoder;
 }
 
-std::optional<cv::RotateFlags> turn_of(const AVStream& stream, const std::string& name) {
+std::optional<cv::RotateFlags> stored_rotation(const AVStream& stream, const std::string& name) {
   std::array<std::int32_t, 9> matrix{};
   std::size_t bytes = 0;
   const std::uint8_t* mark = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes);
   if (mark == nullptr || bytes < sizeof(matrix)) return std::nullopt;
   std::memcpy(matrix.data(), mark, sizeof(matrix));
-  return display_turn(matrix, name);
+  return display_rotation(matrix, name);
 }
 
 }  // namespace
@@ -82,8 +82,8 @@ struct VideoReader::State {
   Owned<AVPacket> packet{av_packet_alloc()};
   Owned<AVFrame> image{av_frame_alloc()};
   LumaExtractor luma;
-  std::optional<cv::RotateFlags> turn;
-  cv::Mat coded;  // before it is turned
+  std::optional<cv::RotateFlags> rotation;
+  cv::Mat coded_grey;  // before rotation
   cv::Size size;
   std::int64_t images = 0;
   Timestamp last;
@@ -98,7 +98,7 @@ struct VideoReader::State {
 VideoReader::VideoReader(const std::filesystem::path& file, double start_s,
                          std::optional<double> rate_hz)
     : state_(std::make_unique<State>()) {
-  // damage is counted and said once; a host program's own level stays
+  // damage is reported once by FrameSource; keeps a log level set by the application
   if (av_log_get_level() == AV_LOG_INFO) av_log_set_level(AV_LOG_QUIET);
   State& s = *state_;
   s.name = file.string();
@@ -108,15 +108,15 @@ VideoReader::VideoReader(const std::filesystem::path& file, double start_s,
   const AVCodec* codec = nullptr;
   const int index = av_find_best_stream(s.container.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
   if (index < 0 || codec == nullptr) {
-    throw InputError(s.name + ": has no video stream that can be decoded");
+    throw InputError(s.name + ": no video stream that can be decoded");
   }
   s.stream = s.container->streams[index];
   s.decoder = open_decoder(*s.stream, codec, s.name);
-  s.turn = turn_of(*s.stream, s.name);
+  s.rotation = stored_rotation(*s.stream, s.name);
   for (unsigned i = 0; i < s.container->nb_streams; ++i) {
     if (static_cast<int>(i) != index) s.container->streams[i]->discard = AVDISCARD_ALL;
   }
-  if (start_s > 0 && !rate_hz) {  // counted stamps need every image from the first on
+  if (start_s > 0 && !rate_hz) {  // stamps by rate_hz count all images
     const std::int64_t first = s.stream->start_time == AV_NOPTS_VALUE ? 0 : s.stream->start_time;
     const std::int64_t target = first + av_rescale_q(s.start.ns, kNanoseconds, s.stream->time_base);
     av_seek_frame(s.container.get(), index, target, AVSEEK_FLAG_BACKWARD);
@@ -127,7 +127,7 @@ VideoReader::~VideoReader() = default;
 VideoReader::VideoReader(VideoReader&&) noexcept = default;
 VideoReader& VideoReader::operator=(VideoReader&&) noexcept = default;
 
-// The decoder's stamp, else one image after the last.
+// Decoder stamp, else last stamp + 1 / frame rate.
 Timestamp VideoReader::State::stamp_of_image() {
   if (rate_hz) return from_seconds(static_cast<double>(images) / *rate_hz);
   if (image->best_effort_timestamp != AV_NOPTS_VALUE) {
@@ -136,13 +136,13 @@ Timestamp VideoReader::State::stamp_of_image() {
   }
   const AVRational rate = stream->avg_frame_rate;
   if (rate.num <= 0 || rate.den <= 0) {
-    throw InputError(name + ": carries neither time stamps nor a frame rate; give source.rate_hz");
+    throw InputError(name + ": neither time stamps nor a frame rate; set source.rate_hz");
   }
   return images == 0 ? Timestamp{0}
                      : Timestamp{last.ns + av_rescale_q(1, av_inv_q(rate), kNanoseconds)};
 }
 
-// Feeds the decoder; false if the packet was damaged.
+// Sends a packet to the decoder; false if it is damaged.
 bool VideoReader::State::send_packet() {
   const int status = av_read_frame(container.get(), packet.get());
   if (status == AVERROR(EAGAIN)) return true;
@@ -159,15 +159,15 @@ bool VideoReader::State::send_packet() {
 
 cv::Size VideoReader::State::size_of_image() const {
   const cv::Size coded_size(image->width, image->height);
-  const bool is_upright = !turn || *turn == cv::ROTATE_180;
-  return is_upright ? coded_size : cv::Size(coded_size.height, coded_size.width);
+  const bool keeps_width = !rotation || *rotation == cv::ROTATE_180;
+  return keeps_width ? coded_size : cv::Size(coded_size.height, coded_size.width);
 }
 
 cv::Mat VideoReader::State::grey_of_image(cv::Mat recycled) {
-  if (!turn) return luma.extract(*image, std::move(recycled));
-  coded = luma.extract(*image, std::move(coded));
-  if (coded.empty()) return {};
-  cv::rotate(coded, recycled, *turn);
+  if (!rotation) return luma.extract(*image, std::move(recycled));
+  coded_grey = luma.extract(*image, std::move(coded_grey));
+  if (coded_grey.empty()) return {};
+  cv::rotate(coded_grey, recycled, *rotation);
   return recycled;
 }
 
@@ -181,7 +181,7 @@ ReadResult VideoReader::read(cv::Mat recycled) {
       continue;
     }
     if (status < 0) {
-      // after the end a decoder that keeps failing would never say so
+      // after the last packet a failing decoder never returns AVERROR_EOF
       if (s.sent_all) return {};
       return {.status = ReadResult::Status::undecodable};
     }
@@ -195,9 +195,9 @@ ReadResult VideoReader::read(cv::Mat recycled) {
     const cv::Size size = s.size_of_image();
     if (s.size.area() > 0 && size != s.size) {
       throw InputError(fmt::format(
-          "{}: the image at {:.3f} s is {}x{}, those before are {}x{}; one calibration cannot "
-          "serve both, cut the video there (source.end_s)",
-          s.name, to_seconds(stamp), size.width, size.height, s.size.width, s.size.height));
+          "{}: image size {}x{} at {:.3f} s differs from {}x{} before; one calibration needs one "
+          "size, end the run there (source.end_s)",
+          s.name, size.width, size.height, to_seconds(stamp), s.size.width, s.size.height));
     }
     s.size = size;
     cv::Mat grey = s.grey_of_image(std::move(recycled));
@@ -207,11 +207,11 @@ ReadResult VideoReader::read(cv::Mat recycled) {
   }
 }
 
-bool VideoReader::is_turned() const {
-  return state_->turn.has_value();
+bool VideoReader::is_rotated() const {
+  return state_->rotation.has_value();
 }
 
-std::optional<std::string> VideoReader::oblong_pixels() const {
+std::optional<std::string> VideoReader::non_square_pixels() const {
   constexpr double kRounding = 0.01;
   const State& s = *state_;
   const AVRational aspect = av_guess_sample_aspect_ratio(s.container.get(), s.stream, nullptr);
@@ -219,8 +219,9 @@ std::optional<std::string> VideoReader::oblong_pixels() const {
     return std::nullopt;
   }
   return fmt::format(
-      "{}: its pixels are told to be {}:{} and not square; it is read as it is coded, and its "
-      "calibration must be of such images",
+      "{}: non-square pixels, aspect ratio {}:{}; images are not rescaled, the calibration must be "
+      "of "
+      "the coded images",
       s.name, aspect.num, aspect.den);
 }
 
@@ -229,7 +230,7 @@ std::optional<double> VideoReader::duration_s() const {
   if (s.stream->duration != AV_NOPTS_VALUE) {
     return static_cast<double>(s.stream->duration) * av_q2d(s.stream->time_base);
   }
-  // a container's own duration may be that of its sound
+  // the container's duration may be that of an audio stream
   if (s.container->nb_streams > 1 || s.container->duration == AV_NOPTS_VALUE) return std::nullopt;
   return static_cast<double>(s.container->duration) / AV_TIME_BASE;
 }
@@ -247,10 +248,10 @@ std::optional<std::string> VideoReader::truncation() const {
   const std::optional<double> rate = frames_per_s();
   if (!s.sent_all || s.rate_hz || !duration || !rate) return std::nullopt;
   const double end_s = to_seconds(s.last) + 1.0 / *rate;
-  // a container rounds, and a variable rate ends anywhere within a few images
+  // tolerance of 3 frames for rounding and variable frame rate
   if (end_s + 3.0 / *rate >= *duration) return std::nullopt;
-  return fmt::format("{}: the file is truncated: its images end at {:.2f} s of {:.2f} s", s.name,
-                     end_s, *duration);
+  return fmt::format("{}: truncated file: images end at {:.2f} s of {:.2f} s", s.name, end_s,
+                     *duration);
 }
 
 }  // namespace stillkite

@@ -10,37 +10,36 @@
 
 namespace stillkite {
 
-/// Decodes a video file with libavformat and libavcodec, the libraries behind OpenCV's own reader,
-/// because that one can only hand out BGR. The luma plane is taken as it is, video range (16 to
-/// 235) is not stretched. Images are turned by the file's rotation mark, as in OpenCV's reader
-/// and every player, for calibrations are made from such images; pixels that the file calls
-/// oblong stay as they are coded, for the same reason. Formats without a luma plane of 8 bits are
-/// converted to grey.
+/// Decodes a video file with libavformat and libavcodec; OpenCV's reader returns BGR only.
+/// - The luma plane is used unchanged: video range (16 to 235) is not stretched. Formats without an
+///   8-bit luma plane are converted to grey.
+/// - Images are rotated by the display matrix, but non-square pixels are not rescaled. OpenCV's
+///   reader does the same, and calibrations are made from its images.
 class VideoReader {
  public:
-  /// Stamps come from the file (0 is its first image) or, with a rate, from counting images.
-  /// Images before `start_s` are skipped. Throws InputError if there is no video to decode, or
-  /// one that is to be shown mirrored or turned by anything but quarters.
+  /// Stamps are those of the file, relative to its first image, or image number / rate_hz. Images
+  /// before `start_s` are skipped. Throws InputError if there is no decodable video, or if the
+  /// display matrix mirrors or does not rotate by a multiple of 90 deg.
   VideoReader(const std::filesystem::path& file, double start_s, std::optional<double> rate_hz);
   ~VideoReader();
   VideoReader(VideoReader&&) noexcept;
   VideoReader& operator=(VideoReader&&) noexcept;
 
-  /// The next image, in `recycled` if that has its size. Throws InputError if the video's
-  /// images change their size.
+  /// Next image, stored in `recycled` if the size matches. Throws InputError if the image size
+  /// changes.
   [[nodiscard]] ReadResult read(cv::Mat recycled);
 
-  /// By the file's mark: a row of the image is then another, or a column, of the sensor's.
-  [[nodiscard]] bool is_turned() const;
+  /// True if the display matrix rotates the images, so that image rows are not sensor rows.
+  [[nodiscard]] bool is_rotated() const;
 
-  /// Says so where the file calls its pixels oblong.
-  [[nodiscard]] std::optional<std::string> oblong_pixels() const;
+  /// Message if the pixel aspect ratio is not 1; nullopt otherwise.
+  [[nodiscard]] std::optional<std::string> non_square_pixels() const;
 
-  /// Seconds from the first image to the end as the file's header says.
+  /// Duration in the file's header; nullopt if unknown.
   [[nodiscard]] std::optional<double> duration_s() const;
   [[nodiscard]] std::optional<double> frames_per_s() const;
 
-  /// After the end: says that the file ended before its header's duration.
+  /// Message after the end if the file is shorter than its header's duration; nullopt otherwise.
   [[nodiscard]] std::optional<std::string> truncation() const;
 
  private:

@@ -41,23 +41,23 @@ std::string reason(int error) {
 Owned<AVCodecContext> open_encoder(cv::Size size, AVRational rate, const EncoderConfig& config) {
   const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
   if (codec == nullptr) {
-    throw InputError("video: this machine's libavcodec has no libx264; write images instead");
+    throw InputError("video: libavcodec has no libx264 encoder; write images instead");
   }
   Owned<AVCodecContext> encoder(avcodec_alloc_context3(codec));
   encoder->width = size.width;
   encoder->height = size.height;
   encoder->pix_fmt = AV_PIX_FMT_YUV420P;
   encoder->color_range = AVCOL_RANGE_JPEG;
-  encoder->colorspace = AVCOL_SPC_SMPTE170M;  // BT.601, as cv::cvtColor makes it
+  encoder->colorspace = AVCOL_SPC_SMPTE170M;  // BT.601, as cv::cvtColor
   encoder->time_base = av_inv_q(rate);
   encoder->framerate = rate;
-  // x264's output depends on the number of threads: a fixed one gives the same file everywhere
+  // x264 output depends on the thread count; fixed for reproducible files
   encoder->thread_count = 4;
   encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   av_opt_set(encoder->priv_data, "preset", std::string(name_of(config.preset)).c_str(), 0);
   av_opt_set_double(encoder->priv_data, "crf", config.crf, 0);
   if (const int error = avcodec_open2(encoder.get(), codec, nullptr); error < 0) {
-    throw InputError(fmt::format("video: x264 does not take {}x{} at {:.6g} frames/s: {}",
+    throw InputError(fmt::format("video: x264 does not support {}x{} at {:.6g} frames/s: {}",
                                  size.width, size.height, av_q2d(rate), reason(error)));
   }
   return encoder;
@@ -113,13 +113,13 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, cv::Size size, doubl
   if (av_log_get_level() == AV_LOG_INFO) av_log_set_level(AV_LOG_QUIET);
   State& s = *state_;
   s.size = size;
-  constexpr int kLargestTerm = 1'000'000;
-  s.encoder = open_encoder(size, av_d2q(frames_per_s, kLargestTerm), config);
+  constexpr int kMaxDenominator = 1'000'000;
+  s.encoder = open_encoder(size, av_d2q(frames_per_s, kMaxDenominator), config);
   s.frame = neutral_frame(size);
 
   AVFormatContext* container = nullptr;
   if (avformat_alloc_output_context2(&container, nullptr, nullptr, file.c_str()) < 0) {
-    throw InputError(file.string() + ": no video format has that ending; take .mp4 or .mkv");
+    throw InputError(file.string() + ": unknown video format; use .mp4 or .mkv");
   }
   s.container.reset(container);
   if (const int error = avio_open(&container->pb, s.part.path().c_str(), AVIO_FLAG_WRITE);
@@ -139,7 +139,7 @@ VideoWriter::~VideoWriter() = default;
 VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
 VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
 
-// Null flushes the encoder.
+// nullptr flushes the encoder.
 void VideoWriter::State::encode(const AVFrame* image) {
   check(avcodec_send_frame(encoder.get(), image));
   for (;;) {
@@ -149,7 +149,7 @@ void VideoWriter::State::encode(const AVFrame* image) {
     packet->duration = 1;
     av_packet_rescale_ts(packet.get(), encoder->time_base, stream->time_base);
     check(av_interleaved_write_frame(container.get(), packet.get()));
-    // what the buffered writer could not put on the disk it only notes
+    // the buffered writer reports write errors here only
     check(container->pb->error);
   }
 }

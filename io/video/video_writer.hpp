@@ -11,7 +11,7 @@
 
 namespace stillkite {
 
-/// x264's speed presets: slower ones need fewer bytes for the same image.
+/// Speed presets of x264; slower ones compress better.
 enum class EncoderPreset { ultrafast, veryfast, fast, medium, slow };
 
 template <>
@@ -29,28 +29,28 @@ struct EncoderConfig {
   EncoderPreset preset = EncoderPreset::medium;
 
   static void fields(auto& self, auto&& field) {
-    field("crf", self.crf, Range{0, 51}, "x264's constant rate factor; 0 is lossless");
-    field("preset", self.preset, "x264's effort");
+    field("crf", self.crf, Range{0, 51}, "constant rate factor of x264; 0 is lossless");
+    field("preset", self.preset, "speed preset of x264");
   }
 };
 
-/// Writes images as H.264. Greys are the luma plane as they are (full range) and chroma is
-/// neutral; colours become BT.601 of full range. The file appears under its name whole or not at
-/// all, as an OutputFile does. The same images give the same bytes.
+/// H.264 encoder. Grey images are the luma plane unchanged (full range) with neutral chroma;
+/// colours are converted to full-range BT.601. The file appears complete or not at all, as an
+/// OutputFile. Deterministic: equal images give equal files.
 class VideoWriter {
  public:
-  /// Width and height must be even. Throws InputError if they are not, if the file cannot be
-  /// created, and if the libraries have no H.264 encoder.
+  /// Width and height must be even. Throws InputError if they are odd, if the file cannot be
+  /// created, or without an H.264 encoder.
   VideoWriter(const std::filesystem::path& file, cv::Size size, double frames_per_s,
               const EncoderConfig& config);
   ~VideoWriter();
   VideoWriter(VideoWriter&&) noexcept;
   VideoWriter& operator=(VideoWriter&&) noexcept;
 
-  /// CV_8UC1, grey, or CV_8UC3, BGR, of the writer's size. Throws std::runtime_error if it cannot
-  /// be written.
+  /// Writes a frame of the writer's size, CV_8UC1 (grey) or CV_8UC3 (BGR). Throws
+  /// std::runtime_error on a write error.
   void write(const cv::Mat& image);
-  /// All of it is on the disk, and only the name is missing.
+  /// Flushes everything to disk; commit() then only renames.
   void finish();
   void commit();
 

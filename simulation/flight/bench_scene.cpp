@@ -12,11 +12,12 @@
 namespace stillkite {
 namespace {
 
-// The motion over an interval of a twist that is constant in the moving frame:
-// exp([w]x t) and the integral of exp([w]x s) v ds.
+// Displacement over an interval for a twist that is constant in the moving frame:
+// rotation exp([w]x t), translation = integral of exp([w]x s) v ds from 0 to t.
 RigidTransform screw(const Twist& twist, double interval_s) {
-  const Eigen::Vector3d turn = interval_s * twist.angular_rate_rad_s;
-  return {so3_exp(turn), interval_s * (so3_left_jacobian(turn) * twist.velocity_m_s)};
+  const Eigen::Vector3d rotation_rad = interval_s * twist.angular_rate_rad_s;
+  return {so3_exp(rotation_rad),
+          interval_s * (so3_left_jacobian(rotation_rad) * twist.velocity_m_s)};
 }
 
 }  // namespace
@@ -36,7 +37,7 @@ BenchScene make_bench_scene(const BenchMotion& motion, const cv::Mat& texture, s
       to_quaternion({.yaw_rad = 0, .pitch_rad = 6 * kDegree, .roll_rad = 4 * kDegree}) *
           camera_looking_down(),
       {0, 0, motion.height_m}};
-  scene.ground = ground_seen_from(scene.world_from_previous);
+  scene.ground = ground_plane_in_camera(scene.world_from_previous);
   scene.twist_in_camera = {
       scene.world_from_previous.rotation.conjugate() * Eigen::Vector3d(motion.forward_m_s, 0, 0),
       motion.angular_rate_in_camera_rad_s};
@@ -44,7 +45,7 @@ BenchScene make_bench_scene(const BenchMotion& motion, const cv::Mat& texture, s
       scene.world_from_previous * screw(scene.twist_in_camera, scene.interval_s);
 
   const double metres_per_texel = motion.height_m / motion.focal_px / kTexelsPerPixel;
-  // the procedural ground as faint as makes the Cramer-Rao bound DESIGN's: 0.038 and 0.0016 m/s
+  // contrast at which the Cramer-Rao bound equals DESIGN's: 0.038 and 0.0016 m/s
   constexpr double kContrast = 0.45;
   cv::Mat procedural;
   if (texture.empty()) {

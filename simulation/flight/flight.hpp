@@ -20,8 +20,8 @@ struct EnumNames<FlightShape> {
        {FlightShape::out_and_back, "out_and_back"}});
 };
 
-/// The defaults are the flow paper's flight (section 5): 150 s, 400 m high, 1 km ahead, 100 m
-/// aside, 50 m down, with irregular roll and pitch of a degree or two.
+/// Defaults: the flow paper's flight (section 5) of 150 s at a height of 400 m; displacement 1 km
+/// forward, 100 m left, 50 m down; random roll and pitch of 1.2 degrees RMS.
 struct FlightConfig {
   FlightShape shape = FlightShape::line;
   double duration_s = 150;
@@ -40,28 +40,28 @@ struct FlightConfig {
 
   static void fields(auto& self, auto&& field) {
     field("shape", self.shape,
-          "line: straight ahead or hovering; turn: a coordinated turn, of which the ways forward, "
-          "left and up tell nothing; out_and_back: that far at half time, home at the end, always "
-          "looking ahead");
+          "line: constant mean velocity, or hovering; turn: coordinated turn, which ignores "
+          "forward_m, left_m and climb_m; out_and_back: displacement reached at half time, return "
+          "to the initial position, constant mean heading");
     field("duration_s", self.duration_s, Range{0.01, 36000}, "from the first frame to the last");
-    field("height_m", self.height_m, kPositive, "of the body over z = 0 at the start");
-    field("heading_deg", self.heading_deg, kAny, "yaw at the start");
+    field("height_m", self.height_m, kPositive, "initial height of the body over z = 0");
+    field("heading_deg", self.heading_deg, kAny, "initial yaw");
     field("pitch_deg", self.pitch_deg, Range{-80, 80}, "mean pitch, nose down is positive");
-    field("roll_deg", self.roll_deg, Range{-80, 80}, "mean roll of a line");
-    field("forward_m", self.forward_m, kAny, "way along the heading; 0 hovers");
-    field("left_m", self.left_m, kAny, "way to the left of the heading");
-    field("climb_m", self.climb_m, kAny, "way up, descents are negative");
+    field("roll_deg", self.roll_deg, Range{-80, 80}, "mean roll; a turn uses its bank angle");
+    field("forward_m", self.forward_m, kAny, "displacement along the heading; 0: hovering");
+    field("left_m", self.left_m, kAny, "displacement to the left of the heading");
+    field("climb_m", self.climb_m, kAny, "upward displacement; negative: descent");
     field("speed_m_s", self.speed_m_s, kPositive, "turn: speed along the circle");
-    field("turn_rate_deg_s", self.turn_rate_deg_s, kAny, "turn: to the left if positive, not 0");
-    field("sway_m", self.sway_m, kNotNegative, "irregular motion, RMS an axis");
-    field("tilt_sway_deg", self.tilt_sway_deg, Range{0, 30}, "irregular roll and pitch, RMS");
-    field("yaw_sway_deg", self.yaw_sway_deg, Range{0, 90}, "irregular yaw, RMS");
+    field("turn_rate_deg_s", self.turn_rate_deg_s, kAny, "turn: yaw rate, left is positive, not 0");
+    field("sway_m", self.sway_m, kNonNegative, "random translation, RMS per axis");
+    field("tilt_sway_deg", self.tilt_sway_deg, Range{0, 30}, "random roll and pitch, RMS");
+    field("yaw_sway_deg", self.yaw_sway_deg, Range{0, 90}, "random yaw, RMS");
   }
 };
 
-/// The irregular part (sines of 4 to 40 s) comes from the seed. Of the position it vanishes at both
-/// ends but in a turn, so that start and way are exact. Starts at x = y = 0.
-/// Throws InputError if the way leads into the ground or a turn does not turn.
+/// Analytic trajectory from x = y = 0 plus a random part: sines with periods of 4 to 40 s from the
+/// seed. The random translation is zero at both ends, so that the displacement is exact.
+/// Throws InputError if the path reaches the ground or a turn has yaw rate 0.
 [[nodiscard]] Trajectory make_trajectory(const FlightConfig& config, std::uint64_t seed);
 
 }  // namespace stillkite

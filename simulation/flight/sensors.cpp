@@ -15,8 +15,8 @@ Eigen::Vector3d normal_vector(double deviation, Random& random) {
   return deviation * Eigen::Vector3d(x, y, z);
 }
 
-// First crossing of a ray with the ground: steps that the steepest ground (a slope of about one)
-// cannot hide in, then bisection.
+// First intersection of a ray with the ground: steps below the clearance (valid for slopes up to
+// about 1), then bisection. Nullopt for a nearly horizontal or upward ray.
 std::optional<double> range_along(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray,
                                   const Relief* relief) {
   if (ray.z() > -0.05) return std::nullopt;
@@ -25,10 +25,10 @@ std::optional<double> range_along(const Eigen::Vector3d& origin, const Eigen::Ve
     return x.z() - (relief ? relief->height_m(x.x(), x.y()) : 0.0);
   };
   const double peak = relief ? relief->amplitude_m() : 0.0;
-  const double longest = (origin.z() + peak + 1) / -ray.z();
+  const double max_range = (origin.z() + peak + 1) / -ray.z();
   double near = 0;
   double far = std::max(0.0, (origin.z() - peak) / -ray.z());
-  while (far < longest && clearance(far) > 0) {
+  while (far < max_range && clearance(far) > 0) {
     near = far;
     far += 0.3 * clearance(far) + 0.05;
   }

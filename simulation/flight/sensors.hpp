@@ -13,7 +13,7 @@
 
 namespace stillkite {
 
-/// The defaults are a consumer MEMS sensor's.
+/// Defaults: a consumer MEMS sensor.
 struct ImuConfig {
   double rate_hz = 200;
   double gyro_noise_density = 1.7e-4;
@@ -24,13 +24,17 @@ struct ImuConfig {
   double accel_bias_walk = 3e-3;
 
   static void fields(auto& self, auto&& field) {
-    field("rate_hz", self.rate_hz, Range{1, 10000}, "samples a second");
-    field("gyro_noise_density", self.gyro_noise_density, kNotNegative, "rad/s/sqrt(Hz)");
-    field("gyro_bias_rad_s", self.gyro_bias_rad_s, kNotNegative, "of the first bias, 1 sigma");
-    field("gyro_bias_walk", self.gyro_bias_walk, kNotNegative, "rad/s^2/sqrt(Hz)");
-    field("accel_noise_density", self.accel_noise_density, kNotNegative, "m/s^2/sqrt(Hz)");
-    field("accel_bias_m_s2", self.accel_bias_m_s2, kNotNegative, "of the first bias, 1 sigma");
-    field("accel_bias_walk", self.accel_bias_walk, kNotNegative, "m/s^3/sqrt(Hz)");
+    field("rate_hz", self.rate_hz, Range{1, 10000}, "sampling rate");
+    field("gyro_noise_density", self.gyro_noise_density, kNonNegative,
+          "white noise of the angular rate, rad/s/sqrt(Hz)");
+    field("gyro_bias_rad_s", self.gyro_bias_rad_s, kNonNegative, "initial bias per axis, 1 sigma");
+    field("gyro_bias_walk", self.gyro_bias_walk, kNonNegative,
+          "random walk of the gyroscope bias, rad/s^2/sqrt(Hz)");
+    field("accel_noise_density", self.accel_noise_density, kNonNegative,
+          "white noise of the specific force, m/s^2/sqrt(Hz)");
+    field("accel_bias_m_s2", self.accel_bias_m_s2, kNonNegative, "initial bias per axis, 1 sigma");
+    field("accel_bias_walk", self.accel_bias_walk, kNonNegative,
+          "random walk of the accelerometer bias, m/s^3/sqrt(Hz)");
   }
 };
 
@@ -40,7 +44,7 @@ struct ImuReading {
   Eigen::Vector3d specific_force_in_body_m_s2;
 };
 
-/// Biases that walk randomly, and white noise, of one IMU; readings are to come at its rate.
+/// Random-walk biases and white noise of one IMU. Precondition: readings at the configured rate.
 class ImuErrors {
  public:
   ImuErrors(const ImuConfig& config, std::uint64_t seed);
@@ -54,7 +58,6 @@ class ImuErrors {
   Eigen::Vector3d accel_bias_m_s2_;
 };
 
-/// Accelerometers feel its opposite.
 [[nodiscard]] inline Eigen::Vector3d gravity_in_world_m_s2() {
   return {0, 0, -kGravity_m_s2};
 }
@@ -64,24 +67,24 @@ struct RangeConfig {
   double noise_m = 0.05;
 
   static void fields(auto& self, auto&& field) {
-    field("rate_hz", self.rate_hz, Range{0.01, 1000}, "samples a second");
-    field("noise_m", self.noise_m, kNotNegative, "1 sigma of a sample");
+    field("rate_hz", self.rate_hz, Range{0.01, 1000}, "sampling rate");
+    field("noise_m", self.noise_m, kNonNegative, "white noise of a sample, 1 sigma");
   }
 };
 
 struct RangeReading {
   Timestamp stamp;
-  double range_m = 0;  ///< from the body to the ground along the body's -z
+  double range_m = 0;  ///< distance to the ground along -z of the body
 };
 
-/// IMU at the body's origin: rate w + b + n, specific force R^T (a - g) + b + n, from time 0 to the
-/// duration. The biases walk randomly.
+/// Readings of an IMU at the body origin from time 0 to `duration_s`: angular rate w + b + n,
+/// specific force R^T (a - g) + b + n, with R = world_from_body and random-walk biases b.
 [[nodiscard]] std::vector<ImuReading> simulate_imu(const Trajectory& trajectory,
                                                    const ImuConfig& config, double duration_s,
                                                    std::uint64_t seed);
 
-/// Range finder that looks along -z of the body; no reading where it does not meet the ground.
-/// `relief`: null for a flat ground.
+/// Readings of a range finder along -z of the body; none if the ray misses the ground.
+/// `relief`: null for flat ground.
 [[nodiscard]] std::vector<RangeReading> simulate_range(const Trajectory& trajectory,
                                                        const Relief* relief,
                                                        const RangeConfig& config, double duration_s,

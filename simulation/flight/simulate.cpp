@@ -16,7 +16,7 @@
 namespace stillkite {
 namespace {
 
-// Streams of the seed, one a purpose.
+// Random streams of the seed.
 enum Stream : std::uint64_t {
   kGround = 1,
   kRelief,
@@ -69,7 +69,7 @@ double gain_at(const SimulationConfig& config, std::int64_t frame) {
   return config.camera.gain(progress, random.uniform(-1.0, 1.0));
 }
 
-// The camera sits in the body's origin.
+// Camera at the body origin.
 Twist camera_twist(const MotionState& state, const RigidTransform& body_from_camera) {
   const Eigen::Quaterniond camera_from_body = body_from_camera.rotation.conjugate();
   return {
@@ -77,22 +77,22 @@ Twist camera_twist(const MotionState& state, const RigidTransform& body_from_cam
       camera_from_body * state.angular_rate_in_body_rad_s};
 }
 
-// What a flight's camera sees.
-class FilmSet {
+// Camera of a flight over its scene.
+class FlightCamera {
  public:
-  FilmSet(const SimulationConfig& config, const cv::Mat& photograph)
+  FlightCamera(const SimulationConfig& config, const cv::Mat& photograph)
       : config_(config),
         trajectory_(make_trajectory(config.flight, seed_of(config, kFlight))),
         scene_(make_scene(config, photograph)),
         renderer_(config.camera.lens(), config.camera.supersampling),
         body_from_camera_(camera_raised_forward(config.camera.forward_tilt_deg)) {}
 
-  // `t_s`: of the middle row, where rows are exposed one after the other.
-  void see(double t_s, cv::Mat& image) const {
+  // Noise-free image. `t_s`: time of the middle row (rolling shutter).
+  void render(double t_s, cv::Mat& image) const {
     const double readout_s = config_.camera.readout_s;
     const int rows = readout_s > 0 ? 1 : image.rows;
     for (int row = 0; row < image.rows; row += rows) {
-      const double now_s = t_s + row_time_s(readout_s, row, image.rows);
+      const double now_s = t_s + row_time_offset_s(readout_s, row, image.rows);
       renderer_.render_rows(scene_, trajectory_.at(now_s).world_from_body * body_from_camera_,
                             place_vehicle(config_, trajectory_, now_s), {row, row + rows}, image);
     }
@@ -111,7 +111,7 @@ class FilmSet {
 FlightRecord record_flight(const SimulationConfig& config) {
   if (config.camera.readout_s * config.camera.frames_per_s > 1 + 1e-9) {
     throw InputError("camera.readout_s: " + std::to_string(config.camera.readout_s) +
-                     " s are longer than a frame, 1 / camera.frames_per_s");
+                     " s exceeds the frame interval; use at most 1 / camera.frames_per_s");
   }
   const Trajectory trajectory = make_trajectory(config.flight, seed_of(config, kFlight));
   const double duration_s = config.flight.duration_s;
@@ -120,7 +120,6 @@ FlightRecord record_flight(const SimulationConfig& config) {
       .body_from_camera = camera_raised_forward(config.camera.forward_tilt_deg),
       .truth = {},
       .twists_in_camera = {},
-
       .imu = simulate_imu(trajectory, config.imu, duration_s, seed_of(config, kImu)),
       .range = simulate_range(trajectory, make_relief(config).get(), config.range, duration_s,
                               seed_of(config, kRange))};
@@ -135,24 +134,25 @@ FlightRecord record_flight(const SimulationConfig& config) {
   return record;
 }
 
-void film_flight(const SimulationConfig& config, const cv::Mat& photograph, const FrameSink& sink) {
-  const FilmSet set(config, photograph);
+void render_flight(const SimulationConfig& config, const cv::Mat& photograph,
+                   const FrameSink& sink) {
+  const FlightCamera camera(config, photograph);
   const std::uint64_t noise_seed = seed_of(config, kNoise);
   const int instants = config.camera.shutter_s > 0 ? config.camera.shutter_samples : 1;
   cv::Mat image(config.camera.height_px, config.camera.width_px, CV_32FC1);
 
   for (std::int64_t frame = 0; frame < frame_count(config); ++frame) {
-    cv::Mat light = cv::Mat::zeros(image.size(), CV_32FC1);
+    cv::Mat irradiance = cv::Mat::zeros(image.size(), CV_32FC1);
     for (int instant = 0; instant < instants; ++instant) {
-      const double within = (instant + 0.5) / instants - 0.5;
-      set.see(time_of(config, frame) + within * config.camera.shutter_s, image);
-      light += image;
+      const double offset = (instant + 0.5) / instants - 0.5;
+      camera.render(time_of(config, frame) + offset * config.camera.shutter_s, image);
+      irradiance += image;
     }
     const Exposure exposure{.gain = gain_at(config, frame) / instants,
                             .noise_grey = config.camera.noise_grey};
     sink({.stamp = from_seconds(time_of(config, frame)),
           .index = frame,
-          .grey = develop(light, exposure, noise_seed + static_cast<std::uint64_t>(frame))});
+          .grey = develop(irradiance, exposure, noise_seed + static_cast<std::uint64_t>(frame))});
   }
 }
 

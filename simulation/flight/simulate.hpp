@@ -12,30 +12,31 @@
 
 namespace stillkite {
 
-/// The truth of a frame's instant.
+/// Ground truth at a frame's stamp.
 struct StampedState {
   Timestamp stamp;
   MotionState state;
 };
 
-/// Everything of a flight but its images. The first frame is at time 0.
+/// Ground truth and sensor readings of a flight. The first frame is at time 0.
 struct FlightRecord {
   Camera camera;
   RigidTransform body_from_camera;
-  std::vector<StampedState> truth;             ///< one a frame
-  std::vector<StampedTwist> twists_in_camera;  ///< one a frame but the first
+  std::vector<StampedState> truth;             ///< one per frame
+  std::vector<StampedTwist> twists_in_camera;  ///< at the middle of each frame interval
   std::vector<ImuReading> imu;
   std::vector<RangeReading> range;
 };
 
-/// Truth and sensors. Throws InputError where the configuration makes no sense.
+/// Simulates ground truth and sensors. Throws InputError for an inconsistent configuration.
 [[nodiscard]] FlightRecord record_flight(const SimulationConfig& config);
 
-/// Is handed every frame in turn; what it throws ends the simulation.
+/// Receives the frames in order; an exception ends the simulation.
 using FrameSink = std::function<void(const Frame&)>;
 
-/// Images of the same flight. `photograph`: CV_8UC1 where the configuration names one, else
-/// empty.
-void film_flight(const SimulationConfig& config, const cv::Mat& photograph, const FrameSink& sink);
+/// Renders the images of the flight. `photograph`: CV_8UC1 ground texture, or empty for a
+/// procedural one.
+void render_flight(const SimulationConfig& config, const cv::Mat& photograph,
+                   const FrameSink& sink);
 
 }  // namespace stillkite

@@ -11,7 +11,7 @@
 
 namespace stillkite {
 
-/// The defaults are the flow paper's camera (section 5.1), looking straight down.
+/// Defaults: the flow paper's camera (section 5.1), nadir-looking.
 struct SimulatedCameraConfig {
   double frames_per_s = 25;
   int width_px = 1920;
@@ -33,29 +33,29 @@ struct SimulatedCameraConfig {
 
   static void fields(auto& self, auto&& field) {
     field("frames_per_s", self.frames_per_s, Range{0.1, 1000}, "frame rate");
-    field("width_px", self.width_px, Range{16, 16384}, "of the image");
-    field("height_px", self.height_px, Range{16, 16384}, "of the image");
-    field("focal_x_px", self.focal_x_px, kPositive, "focal length");
-    field("focal_y_px", self.focal_y_px, kPositive, "focal length");
+    field("width_px", self.width_px, Range{16, 16384}, "image width");
+    field("height_px", self.height_px, Range{16, 16384}, "image height");
+    field("focal_x_px", self.focal_x_px, kPositive, "focal length along x");
+    field("focal_y_px", self.focal_y_px, kPositive, "focal length along y");
     field("centre_x_px", self.centre_x_px, kAny, "principal point, first pixel's centre is 0");
     field("centre_y_px", self.centre_y_px, kAny, "principal point, first pixel's centre is 0");
-    field("distortion", self.distortion, "lens model");
+    field("distortion", self.distortion, "distortion model");
     field("coefficients", self.coefficients, kAny, "k1 k2 p1 p2 k3 k4 k5 k6, or k1 k2 k3 k4");
     field("forward_tilt_deg", self.forward_tilt_deg, Range{-90, 90},
-          "of the optical axis in the body, from straight down towards the nose");
-    field("supersampling", self.supersampling, Range{1, 4}, "samples a pixel and direction");
-    field("shutter_s", self.shutter_s, kNotNegative, "time over which motion blurs; 0: none");
-    field("shutter_samples", self.shutter_samples, Range{1, 64}, "instants a blurred image");
+          "angle of the optical axis in the body from nadir towards the nose");
+    field("supersampling", self.supersampling, Range{1, 4}, "samples per pixel and direction");
+    field("shutter_s", self.shutter_s, kNonNegative, "exposure time (motion blur); 0: no blur");
+    field("shutter_samples", self.shutter_samples, Range{1, 64}, "instants per exposure");
     field("readout_s", self.readout_s, Range{0, 0.1},
-          "rolling shutter: from the first row to the last, a frame's stamp is its middle row's");
-    field("noise_grey", self.noise_grey, Range{0, 100}, "1 sigma of a pixel");
+          "rolling shutter: time from the first row to the last; stamps refer to the middle row");
+    field("noise_grey", self.noise_grey, Range{0, 100}, "noise of a pixel, 1 sigma");
     field("gain_ramp_ratio", self.gain_ramp_ratio, Range{-0.99, 10},
-          "change of exposure from the first frame to the last, 0.3: 30 % brighter");
+          "relative change of the gain from the first frame to the last; 0.3: 30 % brighter");
     field("flicker_ratio", self.flicker_ratio, Range{0, 0.9},
-          "largest random change of a frame's exposure");
+          "maximum random relative change of a frame's gain");
   }
 
-  /// Exposure, in parts of the first frame's: `progress` from 0 to 1, `draw` from -1 to 1.
+  /// Gain relative to the first frame. `progress` in [0, 1]; `draw`: random, in [-1, 1].
   [[nodiscard]] double gain(double progress, double draw) const {
     return (1 + gain_ramp_ratio * progress) * (1 + flicker_ratio * draw);
   }
@@ -73,22 +73,23 @@ struct GroundConfig {
   ReliefConfig relief{};
 
   static void fields(auto& self, auto&& field) {
-    field("photograph", self.photograph, "image of a ground seen from above; null: made here");
+    field("photograph", self.photograph, "aerial image of the ground; null: procedural texture");
     field("metres_per_texel", self.metres_per_texel, kPositive,
-          "size of the ground's pixels; null: 0.8 image pixels at the start");
-    field("side_texels", self.side_texels, Range{64, 16384}, "of a ground made here; it repeats");
-    field("relief", self.relief, "hills");
+          "texel size on the ground; null: 0.8 pixel footprints at the initial height");
+    field("side_texels", self.side_texels, Range{64, 16384},
+          "side length of the procedural texture, which repeats mirrored");
+    field("relief", self.relief, "terrain relief");
   }
 };
 
-/// A vehicle that drives across the image, again and again.
+/// Vehicle that crosses the image periodically.
 struct VehicleConfig {
   double image_share = 0.04;
   double crossing_s = 15;
 
   static void fields(auto& self, auto&& field) {
-    field("image_share", self.image_share, Range{1e-4, 0.5}, "of the image that it covers");
-    field("crossing_s", self.crossing_s, kPositive, "from one side of the image to the other");
+    field("image_share", self.image_share, Range{1e-4, 0.5}, "covered fraction of the image area");
+    field("crossing_s", self.crossing_s, kPositive, "time to cross the image");
   }
 };
 
@@ -102,13 +103,13 @@ struct SimulationConfig {
   RangeConfig range{};
 
   static void fields(auto& self, auto&& field) {
-    field("seed", self.seed, kAnySeed, "of everything random");
+    field("seed", self.seed, kAnySeed, "seed of all random numbers");
     field("camera", self.camera, "lens, sensor and mount");
-    field("flight", self.flight, "the way");
-    field("ground", self.ground, "what is seen");
-    field("vehicle", self.vehicle, "something that moves on the ground; null: nothing");
+    field("flight", self.flight, "trajectory");
+    field("ground", self.ground, "texture and relief of the ground");
+    field("vehicle", self.vehicle, "moving vehicle on the ground; null: none");
     field("imu", self.imu, "gyroscope and accelerometer");
-    field("range", self.range, "range finder along the body's -z");
+    field("range", self.range, "range finder along -z of the body");
   }
 };
 

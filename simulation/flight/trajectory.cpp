@@ -10,10 +10,10 @@ Jet Signal::at(double t_s) const {
   Jet jet{offset + slope * t_s, slope, 0};
   for (const Sine& sine : sines) {
     const double angle = sine.frequency_rad_s * t_s + sine.phase_rad;
-    const double swing = sine.amplitude * std::sin(angle);
-    jet.value += swing;
+    const double value = sine.amplitude * std::sin(angle);
+    jet.value += value;
     jet.rate += sine.amplitude * sine.frequency_rad_s * std::cos(angle);
-    jet.acceleration -= sine.frequency_rad_s * sine.frequency_rad_s * swing;
+    jet.acceleration -= sine.frequency_rad_s * sine.frequency_rad_s * value;
   }
   return jet;
 }
@@ -34,7 +34,7 @@ MotionState Trajectory::at(double t_s) const {
                               {x.value, y.value, z.value}},
           .velocity_in_world_m_s = {x.rate, y.rate, z.rate},
           .acceleration_in_world_m_s2 = {x.acceleration, y.acceleration, z.acceleration},
-          // the inverse of euler_rates
+          // inverse of euler_rates
           .angular_rate_in_body_rad_s = {roll.rate - sp * yaw.rate,
                                          cr * pitch.rate + sr * cp * yaw.rate,
                                          -sr * pitch.rate + cr * cp * yaw.rate}};

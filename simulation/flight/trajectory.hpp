@@ -14,7 +14,7 @@ struct Jet {
   double acceleration = 0;
 };
 
-/// offset + slope t + sum of amplitude sin(frequency t + phase): smooth, with exact derivatives.
+/// offset + slope t + sum of amplitude sin(frequency t + phase), with exact derivatives.
 struct Signal {
   struct Sine {
     double amplitude = 0;
@@ -35,8 +35,8 @@ struct MotionState {
   Eigen::Vector3d angular_rate_in_body_rad_s;
 };
 
-/// An analytic flight: exact pose, velocity, acceleration and angular rate at any time.
-/// Attitude as in geometry/euler.hpp: ZYX, positive pitch is nose down.
+/// Analytic trajectory: exact pose, velocity, acceleration and angular rate at any time.
+/// Euler angles as in geometry/euler.hpp: ZYX, positive pitch is nose down.
 struct Trajectory {
   Signal x_m;
   Signal y_m;

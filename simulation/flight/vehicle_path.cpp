@@ -18,13 +18,13 @@ std::optional<VehiclePlacement> place_vehicle(const SimulationConfig& config,
   const double area_m2 = config.vehicle->image_share * image_width_m * image_height_m;
   const double length_m = std::sqrt(2 * area_m2);
 
-  // the image's right is -y of the body; slantwise, so that it is no pure side motion
+  // image right = -y of the body; oblique, so that the motion has a forward component
   const Eigen::Vector3d right_and_up(0.35, -1, 0);
-  const Eigen::Vector2d way =
+  const Eigen::Vector2d direction =
       (middle.world_from_body.rotation * right_and_up).head<2>().normalized();
   const double relative_speed_m_s = image_width_m / (2 * half_s);
   const Eigen::Vector2d velocity_m_s =
-      middle.velocity_in_world_m_s.head<2>() + relative_speed_m_s * way;
+      middle.velocity_in_world_m_s.head<2>() + relative_speed_m_s * direction;
   return VehiclePlacement{.centre_in_world_m = middle.world_from_body.translation.head<2>() +
                                                (t_s - middle_s) * velocity_m_s,
                           .heading_rad = std::atan2(velocity_m_s.y(), velocity_m_s.x()),

@@ -8,9 +8,9 @@
 
 namespace stillkite {
 
-/// Where the configured vehicle is; nothing if there is none. Crossing after crossing it drives
-/// straight and steadily over the ground, through the point under the camera at half time, from
-/// beyond the left border of the image to beyond the right one as seen from the flight there.
+/// Position of the vehicle at `t_s`; nullopt without a vehicle. Each crossing has constant
+/// velocity, from beyond the left border of the image to beyond the right one. At half time the
+/// vehicle is below the camera.
 [[nodiscard]] std::optional<VehiclePlacement> place_vehicle(const SimulationConfig& config,
                                                             const Trajectory& trajectory,
                                                             double t_s);

@@ -10,15 +10,15 @@
 namespace stillkite {
 
 enum class FaultKind {
-  frozen_video,            ///< the last image again, with new stamps
-  every_third_frame_lost,  ///< on the way to the ground
-  stamps_off,              ///< images say they are later than they are
-  picture_dark,            ///< hardly any light: there is nothing to see but noise
-  reference_blind,         ///< something patterned swings before the upper part of the image
-  flow_blind,              ///< the floor swings, as water or what the wind blows over it
-  height_step,             ///< the floor is higher than before, what stands on it is not
-  gyro_bias,               ///< about each axis; the IMU's own heading turns with it
-  tether_slack,            ///< the reel pays out too much, and the drone comes nearer
+  frozen_video,            ///< repeated image with new stamps
+  every_third_frame_lost,  ///< frame loss of the video link
+  stamps_off,              ///< constant error of the image stamps
+  picture_dark,            ///< almost no light: noise only
+  reference_blind,         ///< moving patterned occlusion of the upper part of the image
+  flow_blind,              ///< oscillating floor texture, like water or blowing dust
+  height_step,             ///< step of the floor height; objects on the floor stay
+  gyro_bias,               ///< step on each axis; integrates into the IMU's heading
+  tether_slack,            ///< excess tether length: the drone is nearer than the length
 };
 template <>
 struct EnumNames<FaultKind> {
@@ -34,12 +34,12 @@ struct EnumNames<FaultKind> {
        {FaultKind::tether_slack, "tether_slack"}});
 };
 
-/// One fault of a trial. Of the amounts only that of its kind counts.
+/// One fault of a trial. Each amount applies to its own kind only.
 struct FaultConfig {
   FaultKind kind = FaultKind::frozen_video;
   double start_s = 10;
   double duration_s = 3;
-  double stamps_off_s = 0.05;
+  double stamp_offset_s = 0.05;
   double light_ratio = 0.005;
   double covered_ratio = 0.75;
   double floor_swing_m = 0.2;
@@ -49,38 +49,41 @@ struct FaultConfig {
   double loosening_m_s = 0.3;
 
   static void fields(auto& self, auto&& field) {
-    field("kind", self.kind, "what goes wrong");
-    field("start_s", self.start_s, kNotNegative, "since the trial's beginning");
-    field("duration_s", self.duration_s, kNotNegative, "until all is well again");
-    field("stamps_off_s", self.stamps_off_s, Range{-1, 1}, "stamps_off: added to a stamp");
-    field("light_ratio", self.light_ratio, Range{0, 1}, "picture_dark: of the light that is left");
+    field("kind", self.kind, "kind of the fault");
+    field("start_s", self.start_s, kNonNegative, "onset after the start of the trial");
+    field("duration_s", self.duration_s, kNonNegative, "duration of the fault");
+    field("stamp_offset_s", self.stamp_offset_s, Range{-1, 1},
+          "stamps_off: offset added to the image stamps");
+    field("light_ratio", self.light_ratio, Range{0, 1},
+          "picture_dark: remaining fraction of the light");
     field("covered_ratio", self.covered_ratio, Range{0, 1},
-          "reference_blind: of the image's height, from above");
+          "reference_blind: occluded fraction of the image height, from the top");
     field("floor_swing_m", self.floor_swing_m, Range{0, 5},
-          "flow_blind: how far to either side, every 2 s");
-    field("floor_rise_m", self.floor_rise_m, Range{-5, 5}, "height_step: how much higher");
-    field("gyro_bias_deg_s", self.gyro_bias_deg_s, Range{-100, 100}, "gyro_bias: about each axis");
+          "flow_blind: amplitude of the horizontal floor motion, period 2 s");
+    field("floor_rise_m", self.floor_rise_m, Range{-5, 5}, "height_step: rise of the floor");
+    field("gyro_bias_deg_s", self.gyro_bias_deg_s, Range{-100, 100},
+          "gyro_bias: additional bias on each axis");
     field("loose_tether_m", self.loose_tether_m, Range{0, 10},
-          "tether_slack: by which the drone is nearer than the paid-out length says");
+          "tether_slack: tether length minus distance to the drone");
     field("loosening_m_s", self.loosening_m_s, kPositive,
-          "tether_slack: how fast the tether becomes loose and taut again");
+          "tether_slack: rate at which the slack builds up and disappears");
   }
 };
 
-/// What is wrong at an instant; as it stands, nothing.
+/// Effect of a fault at one instant. Default: no fault.
 struct FaultEffect {
   bool is_video_frozen = false;
   bool is_every_third_frame_lost = false;
-  double stamps_off_s = 0;
+  double stamp_offset_s = 0;
   double light_ratio = 1;
   double covered_ratio = 0;
-  Eigen::Vector3d floor_moved_m = Eigen::Vector3d::Zero();  ///< world
-  double gyro_bias_rad_s = 0;                               ///< about each axis of the body
-  double heading_error_rad = 0;  ///< of the IMU's attitude: what the bias has added up to; it stays
+  Eigen::Vector3d floor_displacement_m = Eigen::Vector3d::Zero();  ///< world frame
+  double gyro_bias_rad_s = 0;                                      ///< on each body axis
+  double heading_error_rad = 0;  ///< integral of the bias, in the IMU's attitude; permanent
   double loose_tether_m = 0;
 };
 
-/// A fault lasts from its start on, for less than its duration.
+/// Effect at `t_s`. A fault is active in [start, start + duration).
 [[nodiscard]] FaultEffect effect_of(const FaultConfig& fault, double t_s);
 
 }  // namespace stillkite

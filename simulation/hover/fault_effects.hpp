@@ -8,13 +8,15 @@
 
 namespace stillkite {
 
-/// Gyroscope and IMU's attitude as the fault leaves them; tilt is the accelerometer's and stays.
+/// Adds the gyroscope bias and the heading error to the IMU readings. The tilt is unaffected: the
+/// IMU's attitude filter takes it from the accelerometer.
 [[nodiscard]] HoverReadings with_fault(HoverReadings readings, const FaultEffect& fault);
 
-/// The upper part of an image (CV_32FC1) behind a patterned sheet that swings to and fro.
-[[nodiscard]] cv::Mat covered(const cv::Mat& light, double ratio, double t_s);
+/// Occludes the upper part of an image (CV_32FC1) by a patterned sheet that oscillates
+/// horizontally.
+[[nodiscard]] cv::Mat occluded(const cv::Mat& irradiance, double ratio, double t_s);
 
-/// The level patches at height 0 moved; what stands on one that is lifted sinks in.
-[[nodiscard]] PatchScene with_floor_moved(PatchScene scene, const Eigen::Vector3d& by_m);
+/// Displaces the horizontal patches at z = 0; objects on the floor keep their positions.
+[[nodiscard]] PatchScene displace_floor(PatchScene scene, const Eigen::Vector3d& by_m);
 
 }  // namespace stillkite

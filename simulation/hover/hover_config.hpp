@@ -19,43 +19,42 @@ struct EnumNames<SceneKind> {
       {{SceneKind::room, "room"}, {SceneKind::coast, "coast"}});
 };
 
-/// How many flights along each of the paper's axes; the paper's twelve are the defaults.
+/// Number of flights along each of the paper's axes. Defaults: the paper's twelve trials.
 struct TrialsConfig {
   int on = 3;
   int off = 1;
   bool estimate_off = false;
 
   static void fields(auto& self, auto&& field) {
-    field("on", self.on, Range{0, 1000}, "flights an axis with stabilization");
-    field("off", self.off, Range{0, 1000}, "flights an axis without");
+    field("on", self.on, Range{0, 1000}, "flights per axis with stabilization");
+    field("off", self.off, Range{0, 1000}, "flights per axis without stabilization");
     field("estimate_off", self.estimate_off,
-          "whether the estimator runs in these too, and is not obeyed");
+          "run the estimator in flights without stabilization, too; its commands are ignored");
   }
 };
 
-/// How long the computer on the ground takes.
+/// Timing of the ground computer.
 struct CycleConfig {
   double period_s = 0;
   double compute_s = 0.01;
 
   static void fields(auto& self, auto&& field) {
     field("period_s", self.period_s, Range{0, 5},
-          "from one frame that is looked at to the next; 0: every frame of the camera");
-    field("compute_s", self.compute_s, Range{0, 5}, "from a frame's arrival to the command");
+          "interval between processed frames; 0: every frame of the camera");
+    field("compute_s", self.compute_s, Range{0, 5}, "time from a frame's arrival to the command");
   }
 };
 
-/// From the drone to the computer on the ground.
+/// Video link from the drone to the ground computer.
 struct LinkConfig {
   int jpeg_quality = 80;
 
   static void fields(auto& self, auto&& field) {
-    field("jpeg_quality", self.jpeg_quality, Range{0, 100},
-          "of the compressed images; 0: they are not compressed");
+    field("jpeg_quality", self.jpeg_quality, Range{0, 100}, "JPEG quality; 0: no compression");
   }
 };
 
-/// Everything that closed-loop trials can be told.
+/// Configuration of closed-loop trials.
 struct HoverConfig {
   int seed = 1;
   SceneKind scene = SceneKind::room;
@@ -69,19 +68,19 @@ struct HoverConfig {
   HoldConfig hold{};
 
   static void fields(auto& self, auto&& field) {
-    field("seed", self.seed, kAnySeed, "of everything random; every trial has streams of its own");
-    field("scene", self.scene, "what the camera sees");
-    field("trials", self.trials, "how many flights");
-    field("link", self.link, "what images suffer on their way");
-    field("cycle", self.cycle, "how fast estimator and controller are");
+    field("seed", self.seed, kAnySeed, "seed of all random numbers; streams differ between trials");
+    field("scene", self.scene, "scene in front of the camera");
+    field("trials", self.trials, "number of flights");
+    field("link", self.link, "video link");
+    field("cycle", self.cycle, "timing of estimator and controller");
     field("plant_file", self.plant_file, "YAML file with the keys of `plant`; null: its defaults");
-    field("plant", self.plant, "the drone, its sensors and its station, over those of the file");
-    field("estimator", self.estimator, "how the motion is found");
-    field("navigator", self.navigator, "the flow navigator");
-    field("reference", self.navigator.reference, "the reference estimator");
-    field("choice", self.navigator.choice, "of either estimator's answer, frame by frame");
-    field("fusion", self.navigator.fusion, "both estimators in one filter");
-    field("hold", self.hold, "the controller");
+    field("plant", self.plant, "drone, sensors and station; overrides plant_file");
+    field("estimator", self.estimator, "estimator policy and mode");
+    field("navigator", self.navigator, "optical-flow estimator");
+    field("reference", self.navigator.reference, "reference-image estimator");
+    field("choice", self.navigator.choice, "per-frame selection between both estimators");
+    field("fusion", self.navigator.fusion, "filter that fuses both estimators");
+    field("hold", self.hold, "position-hold controller");
   }
 };
 

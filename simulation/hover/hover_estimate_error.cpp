@@ -35,7 +35,7 @@ EstimateError estimate_error(const NavigationEstimate& estimate,
       .position_sigma_m = sigma_of(estimate.pose_covariance.topLeftCorner<3, 3>()),
       .rotation_sigma_rad = sigma_of(estimate.pose_covariance.bottomRightCorner<3, 3>()),
       .pose_nees = {}};
-  // the reference's way is a direction, whatever was known of the height
+  // the reference estimator measures only the direction of translation
   const bool is_metric =
       estimate.scale != ScaleSource::none && estimate.source != EstimateSource::reference;
   if (!is_metric) return out;

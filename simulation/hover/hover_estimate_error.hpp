@@ -6,31 +6,30 @@
 
 namespace stillkite {
 
-/// By how much one image's estimate missed the truth at its exposure.
+/// Error of one image's estimate against ground truth at the exposure.
 struct EstimateError {
   Timestamp stamp;
   Verdict verdict = Verdict::first_frame;
-  /// Of the camera's place as seen from the start; nothing where the estimate has no metres.
-  std::optional<double> position_error_m;
-  std::optional<double> velocity_error_m_s;  ///< nothing where the estimate has no metres
+  std::optional<double> position_error_m;    ///< of the camera; nullopt without metric scale
+  std::optional<double> velocity_error_m_s;  ///< nullopt without metric scale
   double rotation_error_rad = 0;
-  /// As the estimate's covariance has them: square roots of its traces.
+  /// Square roots of the traces of the estimate's covariance blocks.
   double position_sigma_m = 0;
   double rotation_sigma_rad = 0;
-  /// Six degrees of freedom; nothing of the first frame, without metres, or where the covariance is
-  /// not positive definite.
+  /// Six degrees of freedom. Nullopt in the first frame, without metric scale, or if the covariance
+  /// is not positive definite.
   std::optional<double> pose_nees;
 };
 
-/// The camera as it really was at the exposure.
+/// Ground truth of the camera at the exposure.
 struct CameraTruth {
   RigidTransform world_from_camera;
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
 };
 
-/// `world_from_estimate` lays the estimate's world, which begins at the start as it is known, over
-/// the true one. NEES = e^T P^-1 e (Bar-Shalom et al., 2001, eq. 5.4.2-1), e = (c - c', log(R
-/// R'^T)) from the estimated pose (R', c') to the true one, both in world as P is.
+/// `world_from_estimate`: from the estimator's world, defined by the configured initial state, to
+/// the true world. NEES = e^T P^-1 e (Bar-Shalom et al., 2001, eq. 5.4.2-1) with
+/// e = (c - c', log(R R'^T)), true pose (R, c), estimate (R', c'); e and P are in the world frame.
 [[nodiscard]] EstimateError estimate_error(const NavigationEstimate& estimate,
                                            const RigidTransform& body_from_camera,
                                            const RigidTransform& world_from_estimate,

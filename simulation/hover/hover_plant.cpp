@@ -8,7 +8,7 @@
 namespace stillkite {
 namespace {
 
-// Divides the periods of 30 Hz, 50 Hz and 200 Hz.
+// Common multiple of 30 Hz, 50 Hz and 200 Hz.
 constexpr std::int64_t kHoverStepsPerSecond = 600;
 
 Timestamp stamp_of_hover_step(std::int64_t step) {
@@ -42,8 +42,8 @@ Timestamp HoverPlant::now() const {
 }
 
 StationState HoverPlant::station(double t_s) const {
-  const StationState ashore = path_.at(t_s);
-  return sea_ ? afloat(ashore, *sea_, waves_, t_s) : ashore;
+  const StationState on_land = path_.at(t_s);
+  return sea_ ? station_on_boat(on_land, *sea_, waves_, t_s) : on_land;
 }
 
 RigidTransform HoverPlant::world_from_station() const {
@@ -54,8 +54,7 @@ FaultEffect HoverPlant::fault() const {
   return fault_ ? effect_of(*fault_, to_seconds(now())) : FaultEffect{};
 }
 
-// One step's end is the next one's beginning to the last bit: what happens at an instant happens
-// once.
+// The end of a step equals the start of the next bit for bit, so that each event occurs once.
 void HoverPlant::step(const TetherCommand& command) {
   constexpr double kStep_s = 1.0 / kHoverStepsPerSecond;
   const double from_s = to_seconds(now());
@@ -65,7 +64,7 @@ void HoverPlant::step(const TetherCommand& command) {
   wind_.step(kStep_s);
   drone_.step(command,
               {.wind_in_world_m_s = wind_.in_world_m_s(),
-               .yaw_kick_rad = kicked_between_rad(kicks_, from_s, to_s),
+               .yaw_kick_rad = kick_yaw_rad(kicks_, from_s, to_s),
                .loose_tether_m = loose_tether_m},
               station(to_s), kStep_s);
 }

@@ -21,10 +21,10 @@ struct Trial {
   std::uint64_t seed = 1;
 };
 
-/// How long the station moves.
+/// Duration of the station's motion.
 [[nodiscard]] double trial_duration_s(const HoverConfig& config, const Trial& trial);
 
-/// The physical side of a trial and its clock: what happens whether or not anyone looks.
+/// Plant of a trial and its clock: station, sea, wind, disturbances and drone.
 class HoverPlant {
  public:
   HoverPlant(const HoverConfig& config, const Trial& trial);
@@ -34,10 +34,10 @@ class HoverPlant {
   [[nodiscard]] const DroneTruth& truth() const { return drone_.truth(); }
   [[nodiscard]] RigidTransform world_from_station() const;
   [[nodiscard]] const std::vector<YawKick>& kicks() const { return kicks_; }
-  /// What is wrong at present.
+  /// Effect of the fault at the current time.
   [[nodiscard]] FaultEffect fault() const;
 
-  /// 1/600 s further, with that command.
+  /// Advances by 1/600 s.
   void step(const TetherCommand& command);
 
  private:

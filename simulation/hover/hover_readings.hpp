@@ -8,22 +8,22 @@
 
 namespace stillkite {
 
-/// Known to the controller from `available` on; was true at `stamp`.
+/// Tether measurement with latency.
 struct TetherSample {
-  Timestamp stamp;
-  Timestamp available;
-  TetherState tether;  ///< in the station's frame; of a slack tether the length is no distance
-  bool taut = true;    ///< as the reel feels it
+  Timestamp stamp;      ///< time of measurement
+  Timestamp available;  ///< time of arrival at the controller
+  TetherState tether;   ///< station frame; the length of a slack tether exceeds the distance
+  bool taut = true;     ///< measured by the reel
 };
 
 struct AttitudeReading {
   Timestamp stamp;
-  Eigen::Quaterniond world_from_body;  ///< its yaw drifts
+  Eigen::Quaterniond world_from_body;  ///< with yaw drift
   Eigen::Vector3d angular_rate_in_body_rad_s;
   Eigen::Vector3d specific_force_in_body_m_s2;
 };
 
-/// What the sensors measured at an instant; empty where none was due.
+/// Sensor readings of one instant; empty if none is due.
 struct HoverReadings {
   std::vector<TetherSample> tether;
   std::vector<AttitudeReading> attitude;

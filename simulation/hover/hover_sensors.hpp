@@ -19,29 +19,29 @@ struct TetherSensorConfig {
   double latency_s = 0.005;
 
   static void fields(auto& self, auto&& field) {
-    field("rate_hz", self.rate_hz, Range{0.1, 1000}, "samples a second");
-    field("length_noise_m", self.length_noise_m, kNotNegative, "1 sigma of a sample");
-    field("angle_noise_deg", self.angle_noise_deg, kNotNegative,
-          "of elevation and azimuth, 1 sigma of a sample");
-    field("latency_s", self.latency_s, kNotNegative, "from measurement to the controller");
+    field("rate_hz", self.rate_hz, Range{0.1, 1000}, "sampling rate");
+    field("length_noise_m", self.length_noise_m, kNonNegative, "noise of the length, 1 sigma");
+    field("angle_noise_deg", self.angle_noise_deg, kNonNegative,
+          "noise of elevation and azimuth, 1 sigma");
+    field("latency_s", self.latency_s, kNonNegative, "latency from measurement to controller");
   }
 };
 
-/// The IMU's own attitude filter on top of its raw readings.
+/// Attitude filter of the IMU.
 struct AttitudeSensorConfig {
   double tilt_noise_deg = 0.2;
   double yaw_noise_deg = 0.05;
   double yaw_drift_deg_per_min = 0.5;
 
   static void fields(auto& self, auto&& field) {
-    field("tilt_noise_deg", self.tilt_noise_deg, kNotNegative, "of roll and pitch, 1 sigma");
-    field("yaw_noise_deg", self.yaw_noise_deg, kNotNegative, "1 sigma of a sample");
-    field("yaw_drift_deg_per_min", self.yaw_drift_deg_per_min, kNotNegative,
-          "of its yaw, steady, to a side that the seed chooses");
+    field("tilt_noise_deg", self.tilt_noise_deg, kNonNegative, "noise of roll and pitch, 1 sigma");
+    field("yaw_noise_deg", self.yaw_noise_deg, kNonNegative, "noise of the yaw, 1 sigma");
+    field("yaw_drift_deg_per_min", self.yaw_drift_deg_per_min, kNonNegative,
+          "constant drift of the yaw; its sign depends on the seed");
   }
 };
 
-/// Rates come from `imu`, the attitude with the same samples.
+/// Attitude samples share the rate and stamps of `imu`.
 struct HoverSensorConfig {
   TetherSensorConfig tether{};
   ImuConfig imu{};
@@ -49,33 +49,32 @@ struct HoverSensorConfig {
   double height_error_ratio = 0.02;
 
   static void fields(auto& self, auto&& field) {
-    field("tether", self.tether, "encoders of length, elevation and azimuth at the station");
+    field("tether", self.tether, "encoders of the tether's length, elevation and azimuth");
     field("imu", self.imu, "gyroscope and accelerometer");
-    field("attitude", self.attitude, "the IMU's attitude");
+    field("attitude", self.attitude, "attitude filter of the IMU");
     field("height_error_ratio", self.height_error_ratio, Range{0, 0.5},
-          "of the height over the floor at the start, 1 sigma");
+          "relative error of the initial height over the floor, 1 sigma");
   }
 };
 
-/// Between the truth and the controller: all that the controller learns beside images. Every
-/// sensor draws from a stream of its own, so that one more reading of one does not change
-/// another's.
+/// All sensors of a trial except the camera. Each sensor has its own random stream: its readings do
+/// not depend on the other sensors.
 class HoverSensors {
  public:
   HoverSensors(const HoverSensorConfig& config, std::uint64_t seed);
 
-  /// Those due up to now, all of now. To be called once a step, with steps no longer than the
-  /// shortest period, the first at time 0.
+  /// Readings due at `now`. Precondition: called once per step from time 0, with steps no longer
+  /// than the shortest sampling period.
   [[nodiscard]] HoverReadings read(const DroneTruth& truth, Timestamp now);
 
-  /// Height over the floor at the start, as it is known.
-  [[nodiscard]] double known_height_m(double height_m) const;
+  /// Initial height over the floor with the height error.
+  [[nodiscard]] double measured_height_m(double height_m) const;
 
  private:
-  struct Inertia {
+  struct MotionSample {
     Timestamp stamp;
     Eigen::Quaterniond world_from_body;
-    std::optional<Eigen::Vector3d> velocity_m_s;  // none before the first step
+    std::optional<Eigen::Vector3d> velocity_m_s;  // nullopt before the first step
   };
 
   [[nodiscard]] TetherSample read_tether(const DroneTruth& truth, Timestamp now);
@@ -86,7 +85,7 @@ class HoverSensors {
   Random tether_random_;
   Random attitude_random_;
   ImuErrors imu_errors_;
-  std::optional<Inertia> last_inertia_;
+  std::optional<MotionSample> last_motion_;
   double yaw_drift_rad_s_;
   double height_factor_;
   std::int64_t tether_count_ = 0;

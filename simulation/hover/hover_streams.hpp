@@ -6,8 +6,7 @@
 
 namespace stillkite {
 
-/// What draws random numbers in closed-loop trials; each by itself, so that one more draw of one
-/// does not change another's.
+/// Independent random streams of closed-loop trials.
 enum class HoverStream : std::uint64_t {
   scene = 1,
   trials,

@@ -11,38 +11,38 @@
 namespace stillkite {
 namespace {
 
-// Take-off, as it is and as it is known.
-struct HoverStart {
-  Eigen::Vector3d in_world_m;
-  InitialState known;
+// True initial position, and the initial state of the estimator.
+struct TrialStart {
+  Eigen::Vector3d position_in_world_m;
+  InitialState estimate;
 };
 
-HoverStart start_of(const RigidTransform& world_from_body, double known_height_m) {
-  return {.in_world_m = world_from_body.translation,
-          .known = {.world_from_body = {world_from_body.rotation, {0, 0, known_height_m}},
-                    .scale = ScaleSource::initial_height}};
+TrialStart make_start(const RigidTransform& world_from_body, double measured_height_m) {
+  return {.position_in_world_m = world_from_body.translation,
+          .estimate = {.world_from_body = {world_from_body.rotation, {0, 0, measured_height_m}},
+                       .scale = ScaleSource::initial_height}};
 }
 
 RigidTransform gimbal(const HoverConfig& config) {
   return camera_raised_forward(config.plant.camera.forward_tilt_deg);
 }
 
-HoverPilot pilot_at(const HoverStart& start, const HoverConfig& config) {
+HoverPilot make_pilot(const TrialStart& start, const HoverConfig& config) {
   return {config.plant.camera.lens(), gimbal(config), config.navigator,
-          config.estimator,           config.hold,    start.known};
+          config.estimator,           config.hold,    start.estimate};
 }
 
-EstimateError error_of(const NavigationEstimate& estimate, const HoverStart& start,
+EstimateError error_of(const NavigationEstimate& estimate, const TrialStart& start,
                        const HoverConfig& config, const DroneTruth& truth) {
   const RigidTransform world_from_estimate{
       .rotation = Eigen::Quaterniond::Identity(),
-      .translation = start.in_world_m - start.known.world_from_body.translation};
+      .translation = start.position_in_world_m - start.estimate.world_from_body.translation};
   return estimate_error(estimate, gimbal(config), world_from_estimate,
                         {truth.world_from_camera, truth.velocity_in_world_m_s});
 }
 
 TrialSample sample_of(const HoverPlant& plant, const Eigen::Vector3d& start_in_world_m,
-                      const PilotStep& in_force) {
+                      const PilotStep& latest) {
   const RigidTransform& drone = plant.truth().world_from_body;
   TrialSample sample;
   sample.t_s = to_seconds(plant.now());
@@ -50,10 +50,10 @@ TrialSample sample_of(const HoverPlant& plant, const Eigen::Vector3d& start_in_w
   sample.displacement_in_world_m = drone.translation - start_in_world_m;
   sample.station_in_world_m = plant.world_from_station().translation;
   sample.yaw_rad = to_euler(drone.rotation).yaw_rad;
-  sample.action = in_force.decision.action;
-  sample.reason = in_force.decision.reason;
-  sample.verdict = in_force.estimate.verdict;
-  sample.command = in_force.decision.command;
+  sample.action = latest.decision.action;
+  sample.reason = latest.decision.reason;
+  sample.verdict = latest.estimate.verdict;
+  sample.command = latest.decision.command;
   return sample;
 }
 
@@ -77,25 +77,25 @@ TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world, const 
   HoverSensors sensors(config.plant.sensors,
                        hover_random(trial.seed, HoverStream::trial_sensors).bits());
   HoverVideo video(config, world, trial);
-  SensorBuffer inbox(plant.world_from_station().rotation.conjugate());
+  SensorBuffer buffer(plant.world_from_station().rotation.conjugate());
   const RigidTransform& drone = plant.truth().world_from_body;
-  const HoverStart start = start_of(drone, sensors.known_height_m(drone.translation.z()));
-  HoverPilot pilot = pilot_at(start, config);
+  const TrialStart start = make_start(drone, sensors.measured_height_m(drone.translation.z()));
+  HoverPilot pilot = make_pilot(start, config);
   TrialRecord record{.trial = trial, .samples = {}, .kicks = plant.kicks(), .estimate_errors = {}};
   for (PilotStep last; !plant.is_over(); plant.step(last.decision.command)) {
     const Timestamp now = plant.now();
-    // 1. What the sensors measure, and what the camera sees.
-    inbox.take(with_fault(sensors.read(plant.truth(), now), plant.fault()));
-    const bool is_exposed = video.expose(plant.truth(), inbox.attitude(), now, plant.fault());
-    // 2. An image becomes a command, and its estimate is held against the truth.
-    if (const std::optional<SentImage> seen = video.take(now)) {
-      last = pilot.step(seen->frame, inbox.readings(seen->frame.stamp, seen->attitude, now));
-      if (!trial.stabilized) last.decision = {};  // looked at, not obeyed
-      record.estimate_errors.push_back(error_of(last.estimate, start, config, seen->truth));
-      if (observer) observer(seen->frame, last.estimate, last.decision);
+    // 1. Sensor readings and exposure.
+    buffer.add(with_fault(sensors.read(plant.truth(), now), plant.fault()));
+    const bool is_exposed = video.expose(plant.truth(), buffer.attitude(), now, plant.fault());
+    // 2. Estimate and command from a received image; error of the estimate.
+    if (const std::optional<SentImage> sent = video.receive(now)) {
+      last = pilot.step(sent->frame, buffer.readings(sent->frame.stamp, sent->attitude, now));
+      if (!trial.stabilized) last.decision = {};
+      record.estimate_errors.push_back(error_of(last.estimate, start, config, sent->truth));
+      if (observer) observer(sent->frame, last.estimate, last.decision);
     }
-    // 3. The truth, a row for every image of the camera.
-    if (is_exposed) record.samples.push_back(sample_of(plant, start.in_world_m, last));
+    // 3. Ground truth, one sample per exposure.
+    if (is_exposed) record.samples.push_back(sample_of(plant, start.position_in_world_m, last));
   }
   return record;
 }

@@ -14,38 +14,37 @@
 
 namespace stillkite {
 
-/// The truth of an instant of a trial, one a frame of the camera, and what was then in force.
+/// Ground truth at a camera frame, with the command and estimate in use.
 struct TrialSample {
   double t_s = 0;
   Eigen::Vector3d displacement_in_world_m =
-      Eigen::Vector3d::Zero();  ///< of the drone from its place at the start
+      Eigen::Vector3d::Zero();  ///< of the drone from its initial position
   Eigen::Vector3d drone_in_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d station_in_world_m = Eigen::Vector3d::Zero();
-  double yaw_rad = 0;  ///< from that of the start, left is +
+  double yaw_rad = 0;  ///< relative to the initial yaw, left is +
   HoldAction action = HoldAction::hold;
   HoldReason reason = HoldReason::no_estimate;
-  Verdict verdict = Verdict::first_frame;  ///< of the estimate that is flown by
+  Verdict verdict = Verdict::first_frame;  ///< of the latest estimate
   TetherCommand command;
 };
 
 struct TrialRecord {
   Trial trial;
   std::vector<TrialSample> samples;
-  std::vector<YawKick> kicks;                  ///< that turned the drone
-  std::vector<EstimateError> estimate_errors;  ///< one an image that was looked at
+  std::vector<YawKick> kicks;                  ///< yaw disturbances
+  std::vector<EstimateError> estimate_errors;  ///< one per processed image
 };
 
-/// The trials in the paper's order: axis x, y, z, each with stabilization first. Flights of one
-/// number along different axes have different seeds.
+/// Trials in the paper's order: axis x, y, z; with stabilization first. Every trial has a different
+/// seed.
 [[nodiscard]] std::vector<Trial> make_trials(const HoverConfig& config);
 
-/// Is told every image that was looked at, with its estimate and the decision that followed; may
-/// throw to end the trial.
+/// Receives every processed image with its estimate and decision; an exception ends the trial.
 using TrialObserver =
     std::function<void(const Frame&, const NavigationEstimate&, const HoldDecision&)>;
 
-/// Flies one trial in closed loop: plant, sensors, rendered images, estimator and controller. The
-/// same record for the same configuration and trial, on one machine bit for bit.
+/// Simulates one trial in closed loop: plant, sensors, rendered images, estimator and controller.
+/// Deterministic in configuration and trial; bit-identical on one machine.
 [[nodiscard]] TrialRecord fly_trial(const HoverConfig& config, const HoverWorld& world,
                                     const Trial& trial, const TrialObserver& observer = {});
 

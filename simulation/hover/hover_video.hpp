@@ -13,31 +13,31 @@
 
 namespace stillkite {
 
-/// An image on its way to a command, and how it was when it was exposed.
+/// Transmitted image with IMU attitude and ground truth at its exposure.
 struct SentImage {
-  Timestamp due;
+  Timestamp due;  ///< time at which its command takes effect
   Frame frame;
-  Eigen::Quaterniond attitude;  ///< as the IMU had it
+  Eigen::Quaterniond attitude;  ///< estimate of the IMU
   DroneTruth truth;
 };
 
-/// The drone's camera and the link to the ground.
+/// Camera of the drone and video link to the ground.
 class HoverVideo {
  public:
   /// `config` and `world` must outlive it.
   HoverVideo(const HoverConfig& config, const HoverWorld& world, const Trial& trial);
 
-  /// To be called once a step. Whether the camera exposes an image now; it is sent where somebody
-  /// looks at it.
+  /// Call once per step. Returns whether the camera exposes a frame now. A frame is rendered and
+  /// transmitted only if the estimator processes it.
   bool expose(const DroneTruth& truth, const Eigen::Quaterniond& attitude, Timestamp now,
               const FaultEffect& fault);
 
-  /// The next one, once the command that it leads to can go out.
-  [[nodiscard]] std::optional<SentImage> take(Timestamp now);
+  /// Removes and returns the next image that is due; nullopt without one.
+  [[nodiscard]] std::optional<SentImage> receive(Timestamp now);
 
  private:
-  [[nodiscard]] cv::Mat light(const DroneTruth& truth, Timestamp now,
-                              const FaultEffect& fault) const;
+  [[nodiscard]] cv::Mat irradiance(const DroneTruth& truth, Timestamp now,
+                                   const FaultEffect& fault) const;
   [[nodiscard]] double gain(Timestamp now) const;
   [[nodiscard]] cv::Mat image(const DroneTruth& truth, Timestamp now,
                               const FaultEffect& fault) const;
@@ -45,12 +45,12 @@ class HoverVideo {
   const HoverConfig& config_;
   const HoverWorld& world_;
   double duration_s_;
-  bool is_looked_at_;
+  bool is_transmitting_;
   std::uint64_t noise_seed_;
   std::vector<MovingObject> moving_objects_;
   std::deque<SentImage> pending_;
   std::int64_t frames_ = 0;
-  std::int64_t looks_ = 0;
+  std::int64_t transmissions_ = 0;
   cv::Mat last_;
 };
 

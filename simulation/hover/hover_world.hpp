@@ -8,10 +8,10 @@
 
 namespace stillkite {
 
-/// What an image suffers between camera and computer; empty: nothing.
+/// Image degradation between camera and computer (e.g. compression); empty: none.
 using VideoLink = std::function<cv::Mat(const cv::Mat& grey)>;
 
-/// What all trials of one configuration share; making it takes longer than a frame.
+/// Scene, renderer and link, shared by all trials of one configuration.
 struct HoverWorld {
   PatchScene scene;
   PatchRenderer renderer;

@@ -14,7 +14,7 @@
 
 namespace stillkite {
 
-/// A wide-angle action camera's stream of 800x480, tilted down by 15 degrees from straight ahead.
+/// Wide-angle action camera, 800x480, optical axis 15 degrees below the horizontal.
 [[nodiscard]] inline SimulatedCameraConfig hover_camera() {
   return {.frames_per_s = 30,
           .width_px = 800,
@@ -26,13 +26,13 @@ namespace stillkite {
           .distortion = DistortionModel::radial_tangential,
           .coefficients = {-0.28, 0.07, 2e-4, -1e-4},
           .forward_tilt_deg = 75,
-          // with 2 edges move by quarter pixels, in windows of all flights alike
+          // with 2, edges move in steps of a quarter pixel: errors correlated over all flights
           .supersampling = 4,
           .shutter_s = 0.008};
 }
 
-/// Everything about a trial's world but its scene and the controller: figures mean something only
-/// beside these.
+/// Plant of a trial: drone, camera, sensors, station and disturbances. Figures of different runs
+/// are comparable only with equal values.
 struct PlantConfig {
   TetheredDroneConfig drone{};
   SimulatedCameraConfig camera = hover_camera();
@@ -47,19 +47,19 @@ struct PlantConfig {
   std::optional<FaultConfig> fault{};
 
   static void fields(auto& self, auto&& field) {
-    field("drone", self.drone, "tether, limits, lag and what wind does");
-    field("camera", self.camera, "lens, sensor and the gimbal's tilt");
-    field("camera_latency_s", self.camera_latency_s, kNotNegative,
-          "from a frame's exposure to its arrival at the estimator");
-    field("sensors", self.sensors, "what the controller learns beside images");
-    field("station", self.station, "the way of the ground station");
-    field("sea", self.sea, "that carries the station's boat; null: it stands on land");
-    field("wind", self.wind, "mean and gusts");
-    field("yaw_kicks", self.yaw_kicks, "what turns the drone; null: nothing");
+    field("drone", self.drone, "tether, limits, lag and wind response");
+    field("camera", self.camera, "lens, sensor and tilt of the gimbal");
+    field("camera_latency_s", self.camera_latency_s, kNonNegative,
+          "latency from a frame's exposure to its arrival at the estimator");
+    field("sensors", self.sensors, "tether encoders, IMU and initial height");
+    field("station", self.station, "path of the ground station");
+    field("sea", self.sea, "waves and drift under a station on a boat; null: station on land");
+    field("wind", self.wind, "mean wind and gusts");
+    field("yaw_kicks", self.yaw_kicks, "yaw disturbances; null: none");
     field("contrast_ratio", self.contrast_ratio, Range{0, 1},
-          "of the scene, about a middle grey; below 1 as in haze, and the noise stays");
-    field("moving_objects", self.moving_objects, "what moves before the camera; null: nothing");
-    field("fault", self.fault, "what goes wrong for a while; null: nothing");
+          "contrast of the scene about grey 128; below 1: haze, with unchanged noise");
+    field("moving_objects", self.moving_objects, "objects crossing the image; null: none");
+    field("fault", self.fault, "temporary fault; null: none");
   }
 };
 

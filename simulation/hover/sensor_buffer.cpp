@@ -2,7 +2,7 @@
 
 namespace stillkite {
 
-void SensorBuffer::take(const HoverReadings& readings) {
+void SensorBuffer::add(const HoverReadings& readings) {
   for (const TetherSample& sample : readings.tether) tether_.push_back(sample);
   for (const AttitudeReading& reading : readings.attitude) {
     attitude_ = reading.world_from_body;
@@ -16,7 +16,7 @@ TetheredReadings SensorBuffer::readings(Timestamp stamp, const Eigen::Quaternion
   return {.now = now,
           .tether = latest_tether(now),
           .station_from_body = station_from_world_ * attitude,
-          .others = {.attitude = attitude, .inertial = take_inertial(stamp)}};
+          .sensors = {.attitude = attitude, .inertial = take_inertial(stamp)}};
 }
 
 std::optional<TetherReading> SensorBuffer::latest_tether(Timestamp now) {

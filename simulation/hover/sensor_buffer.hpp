@@ -9,20 +9,21 @@
 
 namespace stillkite {
 
-/// The controller's side of the sensors: what has arrived.
+/// Sensor readings received by the controller.
 class SensorBuffer {
  public:
-  /// At take-off the drone stands on its station: their headings are known to each other.
+  /// Station heading relative to the world, available at take-off from the drone on its station.
   explicit SensorBuffer(const Eigen::Quaterniond& station_from_world_at_start)
       : station_from_world_(station_from_world_at_start) {}
 
-  void take(const HoverReadings& readings);
+  void add(const HoverReadings& readings);
 
-  /// With the image of this instant, which the IMU stamps.
+  /// Latest attitude world_from_body of the IMU.
   [[nodiscard]] const Eigen::Quaterniond& attitude() const { return attitude_; }
 
-  /// Beside an image of that stamp and attitude, for a command now. Inertial readings are handed
-  /// out once, but for the one during which it was taken: cut there, and again with the next.
+  /// Readings for a command at `now` from an image with this stamp and attitude. Each inertial
+  /// reading is returned once, except the reading whose interval contains `stamp`: it is split at
+  /// the stamp, and its remainder is returned with the next image.
   [[nodiscard]] TetheredReadings readings(Timestamp stamp, const Eigen::Quaterniond& attitude,
                                           Timestamp now);
 

@@ -10,7 +10,7 @@
 
 namespace stillkite {
 
-/// Axes as the hold paper names them: y is up, x and z are level.
+/// Axes as in the hold paper: y is up, x and z are horizontal.
 enum class PaperAxis { x, y, z };
 
 template <>
@@ -19,23 +19,25 @@ struct EnumNames<PaperAxis> {
       {{PaperAxis::x, "x"}, {PaperAxis::y, "y"}, {PaperAxis::z, "z"}});
 };
 
-/// Unit vector of the paper's axis in our world (z up): x, z and -y, so that both are right-handed.
+/// Unit vector of the paper's axis in the world frame (z up): x, z, -y; both are right-handed.
 [[nodiscard]] Eigen::Vector3d paper_axis_in_world(PaperAxis axis);
 
-/// Of the ground station's way in a trial.
 struct StationPathConfig {
   double level_reach_m = 2;
-  double upright_reach_m = 0.87;  // the paper gives none: this one fits Table I's 43 cm
+  double vertical_reach_m = 0.87;  // not in the paper; fits the 43 cm of Table I
   double speed_m_s = 0.2;
   double acceleration_m_s2 = 0.2;
   double height_m = 1;
 
   static void fields(auto& self, auto&& field) {
-    field("level_reach_m", self.level_reach_m, kPositive, "way out from the start along x or z");
-    field("upright_reach_m", self.upright_reach_m, kPositive, "way out from the start along y");
-    field("speed_m_s", self.speed_m_s, kPositive, "between the turns");
-    field("acceleration_m_s2", self.acceleration_m_s2, kPositive, "at the start, turns and end");
-    field("height_m", self.height_m, kNotNegative, "of the station over the floor at the start");
+    field("level_reach_m", self.level_reach_m, kPositive,
+          "maximum displacement along a horizontal axis, x or z");
+    field("vertical_reach_m", self.vertical_reach_m, kPositive,
+          "maximum displacement along the vertical axis, y");
+    field("speed_m_s", self.speed_m_s, kPositive, "cruise speed");
+    field("acceleration_m_s2", self.acceleration_m_s2, kPositive,
+          "acceleration at the start, the reversals and the end");
+    field("height_m", self.height_m, kNonNegative, "initial height of the station over the floor");
   }
 };
 
@@ -44,35 +46,35 @@ struct StationState {
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
 };
 
-/// The way of the ground station in a trial (hold paper, section V): out along an axis, back
-/// through the start, as far the other way, and back to the start.
+/// Path of the ground station in a trial (hold paper, section V): from the initial position to
+/// +reach along an axis, to -reach, and back.
 class StationPath {
  public:
   StationPath(const StationPathConfig& config, PaperAxis moved);
 
-  /// Over the world's origin at time 0 and before, and again from the end on. The station's x
-  /// points along the moved axis (along the world's x where that is up).
+  /// State at `t_s`; at rest over the world origin before time 0 and after the end. The station's x
+  /// axis is the moved axis, or the world's x axis if the moved axis is up.
   [[nodiscard]] StationState at(double t_s) const;
 
   [[nodiscard]] double duration_s() const;
 
  private:
-  // From rest to rest: up to speed, steady, down to rest.
+  // Rest-to-rest motion with a trapezoidal speed profile.
   struct Leg {
-    double way_m = 0;  // signed
+    double displacement_m = 0;  // signed
     double ramp_s = 0;
     double steady_s = 0;
 
     [[nodiscard]] double duration_s() const { return 2 * ramp_s + steady_s; }
   };
-  struct PlaceOnLine {
+  struct LineState {
     double position_m = 0;
     double velocity_m_s = 0;
   };
 
-  [[nodiscard]] Leg leg_over(double way_m) const;
-  [[nodiscard]] PlaceOnLine place_on(const Leg& leg, double t_s) const;
-  [[nodiscard]] PlaceOnLine place_at(double t_s) const;
+  [[nodiscard]] Leg leg_over(double displacement_m) const;
+  [[nodiscard]] LineState state_on_leg(const Leg& leg, double t_s) const;
+  [[nodiscard]] LineState state_on_line(double t_s) const;
 
   StationPathConfig config_;
   PaperAxis moved_;

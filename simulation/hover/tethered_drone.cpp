@@ -9,15 +9,15 @@
 namespace stillkite {
 namespace {
 
-double within(double rate, double limit) {
+double limited_rate(double rate, double limit) {
   return std::isfinite(rate) ? std::clamp(rate, -limit, limit) : 0.0;
 }
 
 TetherCommand limit(const TetherCommand& command, const TetheredDroneConfig& config) {
-  return {within(command.length_rate_m_s, config.length_rate_limit_m_s),
-          within(command.elevation_rate_rad_s, config.elevation_rate_limit_rad_s),
-          within(command.azimuth_rate_rad_s, config.azimuth_rate_limit_rad_s),
-          within(command.yaw_rate_rad_s, config.yaw_rate_limit_rad_s)};
+  return {limited_rate(command.length_rate_m_s, config.length_rate_limit_m_s),
+          limited_rate(command.elevation_rate_rad_s, config.elevation_rate_limit_rad_s),
+          limited_rate(command.azimuth_rate_rad_s, config.azimuth_rate_limit_rad_s),
+          limited_rate(command.yaw_rate_rad_s, config.yaw_rate_limit_rad_s)};
 }
 
 }  // namespace
@@ -32,16 +32,16 @@ TetheredDrone::TetheredDrone(const TetheredDroneConfig& config,
       elevation_{.value = std::numbers::pi / 2},
       yaw_{.value = yaw_rad} {
   if (!(config.shortest_m <= config.start_length_m && config.start_length_m <= config.longest_m)) {
-    throw InputError("drone: start_length_m must lie between shortest_m and longest_m");
+    throw InputError("drone.start_length_m: must be between shortest_m and longest_m");
   }
-  place(0);
+  update_pose(0);
 }
 
 void TetheredDrone::step(const TetherCommand& command, const Disturbance& disturbance,
                          const StationState& station, double duration_s) {
   if (!(duration_s > 0)) return;
-  constexpr double kLongestStep_s = 0.005;
-  const int steps = std::max(1, static_cast<int>(std::ceil(duration_s / kLongestStep_s - 1e-6)));
+  constexpr double kMaxStep_s = 0.005;
+  const int steps = std::max(1, static_cast<int>(std::ceil(duration_s / kMaxStep_s - 1e-6)));
   const double step_s = duration_s / steps;
   const RigidTransform before = world_from_station_;
   const TetherCommand limited = limit(command, config_);
@@ -53,15 +53,15 @@ void TetheredDrone::step(const TetherCommand& command, const Disturbance& distur
                               : interpolate(before, station.world_from_station, double(k) / steps);
     advance(limited, disturbance.wind_in_world_m_s, step_s);
     yaw_.value += disturbance.yaw_kick_rad / steps;
-    place(disturbance.loose_tether_m);
-    remember_mean_velocity(
+    update_pose(disturbance.loose_tether_m);
+    update_velocity(
         (truth_.world_from_body.translation - last.world_from_body.translation) / step_s, step_s);
     truth_.yaw_rate_rad_s = (yaw_.value - last_yaw_rad) / step_s;
   }
 }
 
-// Means hold half way through their steps.
-void TetheredDrone::remember_mean_velocity(const Eigen::Vector3d& mean_m_s, double step_s) {
+// A mean velocity is valid at the middle of its step: linear extrapolation to the end of the step.
+void TetheredDrone::update_velocity(const Eigen::Vector3d& mean_m_s, double step_s) {
   const MeanVelocity last = mean_velocity_.value_or(MeanVelocity{mean_m_s, step_s});
   truth_.velocity_in_world_m_s =
       mean_m_s + step_s / (step_s + last.step_s) * (mean_m_s - last.in_world_m_s);
@@ -71,12 +71,13 @@ void TetheredDrone::remember_mean_velocity(const Eigen::Vector3d& mean_m_s, doub
 // r' = (command - r) / lag and x' = r over a duration with a constant command.
 TetheredDrone::Axis TetheredDrone::follow(const Axis& axis, double command, double lag_s,
                                           double duration_s) {
-  const double kept = std::exp(-duration_s / lag_s);
+  const double decay = std::exp(-duration_s / lag_s);
   const double excess = axis.rate - command;
-  return {axis.value + command * duration_s + excess * lag_s * (1 - kept), command + excess * kept};
+  return {axis.value + command * duration_s + excess * lag_s * (1 - decay),
+          command + excess * decay};
 }
 
-TetheredDrone::Axis TetheredDrone::stopped_at_ends(const Axis& axis, double low, double high) {
+TetheredDrone::Axis TetheredDrone::clamped(const Axis& axis, double low, double high) {
   if (axis.value >= low && axis.value <= high) return axis;
   return {.value = std::clamp(axis.value, low, high), .rate = 0};
 }
@@ -84,27 +85,28 @@ TetheredDrone::Axis TetheredDrone::stopped_at_ends(const Axis& axis, double low,
 void TetheredDrone::advance(const TetherCommand& limited, const Eigen::Vector3d& wind,
                             double duration_s) {
   const double lag_s = config_.lag_s;
-  length_ = stopped_at_ends(follow(length_, limited.length_rate_m_s, lag_s, duration_s),
-                            config_.shortest_m, config_.longest_m);
-  elevation_ = stopped_at_ends(follow(elevation_, limited.elevation_rate_rad_s, lag_s, duration_s),
-                               0, std::numbers::pi);
+  length_ = clamped(follow(length_, limited.length_rate_m_s, lag_s, duration_s), config_.shortest_m,
+                    config_.longest_m);
+  elevation_ = clamped(follow(elevation_, limited.elevation_rate_rad_s, lag_s, duration_s), 0,
+                       std::numbers::pi);
   azimuth_ = follow(azimuth_, limited.azimuth_rate_rad_s, lag_s, duration_s);
   yaw_ = follow(yaw_, limited.yaw_rate_rad_s, lag_s, duration_s);
-  felt_wind_in_world_m_s_ =
-      wind + (felt_wind_in_world_m_s_ - wind) * std::exp(-duration_s / config_.wind_lag_s);
+  lagged_wind_in_world_m_s_ =
+      wind + (lagged_wind_in_world_m_s_ - wind) * std::exp(-duration_s / config_.wind_lag_s);
 }
 
-void TetheredDrone::place(double loose_tether_m) {
+void TetheredDrone::update_pose(double loose_tether_m) {
   const TetherState held{length_.value, elevation_.value, azimuth_.value};
-  const Eigen::Vector3d kept = world_from_station_.rotation * position_in_station(held);
-  const Eigen::Vector3d along = kept / held.length_m;
-  const double towards_station_m_s = -felt_wind_in_world_m_s_.dot(along);
-  const Eigen::Vector3d across_m_s = felt_wind_in_world_m_s_ + towards_station_m_s * along;
+  const Eigen::Vector3d held_position = world_from_station_.rotation * position_in_station(held);
+  const Eigen::Vector3d along = held_position / held.length_m;
+  const double towards_station_m_s = -lagged_wind_in_world_m_s_.dot(along);
+  const Eigen::Vector3d across_m_s = lagged_wind_in_world_m_s_ + towards_station_m_s * along;
   const double by_wind_m =
       config_.shift_per_wind_s * std::max(0.0, towards_station_m_s - config_.taut_up_to_wind_m_s);
   const double slack_m = std::min(by_wind_m + loose_tether_m, held.length_m);
 
-  const Eigen::Vector3d direction = (kept + config_.shift_per_wind_s * across_m_s).normalized();
+  const Eigen::Vector3d direction =
+      (held_position + config_.shift_per_wind_s * across_m_s).normalized();
   const Eigen::Vector3d from_station = (held.length_m - slack_m) * direction;
   truth_.world_from_body = {to_quaternion({.yaw_rad = yaw_.value}),
                             world_from_station_.translation + from_station};

@@ -11,7 +11,7 @@ namespace stillkite {
 namespace {
 
 // Integrals of s^k exp(-z s) over s from 0 to 1, k = 0, 1, 2.
-std::array<double, 3> decaying_moments(double z) {
+std::array<double, 3> exponential_moments(double z) {
   std::array<double, 3> moments{};
   if (z > 1) {
     double previous = 0;
@@ -21,7 +21,7 @@ std::array<double, 3> decaying_moments(double z) {
     }
     return moments;
   }
-  // the form above cancels here: the series of the exponential instead
+  // power series: the recursion above suffers from cancellation
   double term = 1;
   for (int n = 0; n < 20; ++n) {
     for (int k = 0; k < 3; ++k) moments[k] += term / (n + k + 1);
@@ -32,26 +32,26 @@ std::array<double, 3> decaying_moments(double z) {
 
 // Exact step of x1' = -x1 / T + x2, x2' = -x2 / T + n under white noise n of density 1: transition
 // exp(-h / T) [1 h; 0 1], added covariance the integral of exp(-2 s / T) [s; 1] [s 1] from 0 to h.
-Eigen::Vector2d shaped(const Eigen::Vector2d& state, double T, double h, Random& random) {
-  const auto [second, mixed, first] = decaying_moments(2 * h / T);
+Eigen::Vector2d filter_step(const Eigen::Vector2d& state, double T, double h, Random& random) {
+  const auto [second, mixed, first] = exponential_moments(2 * h / T);
   const double root = std::sqrt(second);
   const double rest = std::sqrt(std::max(0.0, first - mixed * mixed / second));
   const double n1 = random.normal();
   const double n2 = random.normal();
-  const double kept = std::exp(-h / T);
-  return {kept * (state.x() + h * state.y()) + h * std::sqrt(h) * (mixed / root * n1 + rest * n2),
-          kept * state.y() + std::sqrt(h) * root * n1};
+  const double decay = std::exp(-h / T);
+  return {decay * (state.x() + h * state.y()) + h * std::sqrt(h) * (mixed / root * n1 + rest * n2),
+          decay * state.y() + std::sqrt(h) * root * n1};
 }
 
-// A draw from what that comes to in the long run, covariance [T^3/4 T^2/4; T^2/4 T/2].
-Eigen::Vector2d steady(double T, Random& random) {
+// Sample of the stationary distribution, covariance [T^3/4 T^2/4; T^2/4 T/2].
+Eigen::Vector2d stationary_sample(double T, Random& random) {
   const double n1 = random.normal();
   const double n2 = random.normal();
   const double root = std::sqrt(T / 2);
   return {root * T / 2 * (n1 + n2), root * n1};
 }
 
-// Output of the state above with deviation 1: (1 + sqrt(3) T s) / (1 + T s)^2, scaled.
+// Filter output (1 + sqrt(3) T s) / (1 + T s)^2, scaled to standard deviation 1.
 double output(const Eigen::Vector2d& state, double T) {
   const double a = 1 / T;
   return std::sqrt(3 * a) * (state.y() + (a / std::sqrt(3.0) - a) * state.x());
@@ -82,8 +82,8 @@ DrydenWind::DrydenWind(const WindConfig& config, std::uint64_t seed)
   mean_in_world_m_s_ = config.mean_m_s * world_from_wind_.col(0);
   if (!gusts_) return;
   along_m_s_ = scales_.deviation_m_s.x() * random_.normal();
-  across_ = steady(scales_.time_s.y(), random_);
-  upwards_ = steady(scales_.time_s.z(), random_);
+  across_ = stationary_sample(scales_.time_s.y(), random_);
+  upwards_ = stationary_sample(scales_.time_s.z(), random_);
 }
 
 Eigen::Vector3d DrydenWind::in_world_m_s() const {
@@ -96,11 +96,11 @@ Eigen::Vector3d DrydenWind::in_world_m_s() const {
 
 void DrydenWind::step(double duration_s) {
   if (!gusts_) return;
-  const double kept = std::exp(-duration_s / scales_.time_s.x());
-  along_m_s_ =
-      kept * along_m_s_ + scales_.deviation_m_s.x() * std::sqrt(1 - kept * kept) * random_.normal();
-  across_ = shaped(across_, scales_.time_s.y(), duration_s, random_);
-  upwards_ = shaped(upwards_, scales_.time_s.z(), duration_s, random_);
+  const double decay = std::exp(-duration_s / scales_.time_s.x());
+  along_m_s_ = decay * along_m_s_ +
+               scales_.deviation_m_s.x() * std::sqrt(1 - decay * decay) * random_.normal();
+  across_ = filter_step(across_, scales_.time_s.y(), duration_s, random_);
+  upwards_ = filter_step(upwards_, scales_.time_s.z(), duration_s, random_);
 }
 
 }  // namespace stillkite

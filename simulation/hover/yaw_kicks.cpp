@@ -8,8 +8,8 @@
 namespace stillkite {
 namespace {
 
-// Share of a kick that has acted by a time.
-double share_by(const YawKick& kick, double t_s) {
+// Completed fraction of a kick at `t_s`.
+double completed_ratio(const YawKick& kick, double t_s) {
   if (kick.duration_s <= 0) return t_s >= kick.at_s ? 1 : 0;
   return std::clamp((t_s - kick.at_s) / kick.duration_s, 0.0, 1.0);
 }
@@ -19,7 +19,7 @@ double share_by(const YawKick& kick, double t_s) {
 std::vector<YawKick> make_yaw_kicks(const YawKickConfig& config, double duration_s,
                                     std::uint64_t seed) {
   if (config.smallest_deg > config.largest_deg) {
-    throw InputError("yaw_kicks: smallest_deg must not be larger than largest_deg");
+    throw InputError("yaw_kicks.smallest_deg: must not exceed largest_deg");
   }
   Random random(seed);
   std::vector<YawKick> kicks;
@@ -34,10 +34,10 @@ std::vector<YawKick> make_yaw_kicks(const YawKickConfig& config, double duration
   return kicks;
 }
 
-double kicked_between_rad(const std::vector<YawKick>& kicks, double from_s, double to_s) {
+double kick_yaw_rad(const std::vector<YawKick>& kicks, double from_s, double to_s) {
   double sum_rad = 0;
   for (const YawKick& kick : kicks) {
-    sum_rad += kick.angle_rad * (share_by(kick, to_s) - share_by(kick, from_s));
+    sum_rad += kick.angle_rad * (completed_ratio(kick, to_s) - completed_ratio(kick, from_s));
   }
   return sum_rad;
 }

@@ -7,7 +7,7 @@
 
 namespace stillkite {
 
-/// Turns the drone by an angle, evenly over a duration; 0 s is a step.
+/// Yaw disturbance with constant rate over its duration; 0 s: a step.
 struct YawKick {
   double at_s = 0;
   double duration_s = 0;
@@ -21,20 +21,20 @@ struct YawKickConfig {
   double longest_s = 1.5;
 
   static void fields(auto& self, auto&& field) {
-    field("every_s", self.every_s, Range{.min = 0.1}, "time between kicks");
-    field("largest_deg", self.largest_deg, Range{0, 180}, "of a kick, to either side");
-    field("smallest_deg", self.smallest_deg, Range{0, 180}, "of a kick");
-    field("longest_s", self.longest_s, kNotNegative, "a gust; every other kick is a step");
+    field("every_s", self.every_s, Range{.min = 0.1}, "interval between kicks");
+    field("largest_deg", self.largest_deg, Range{0, 180}, "maximum magnitude of a kick");
+    field("smallest_deg", self.smallest_deg, Range{0, 180}, "minimum magnitude of a kick");
+    field("longest_s", self.longest_s, kNonNegative,
+          "maximum duration of a gust; every other kick is a step");
   }
 };
 
-/// Steps and gusts in turn, the first after one interval and none later than that before the end.
-/// Throws InputError where the smallest is larger than the largest.
+/// Alternating steps and gusts with random angles, from one interval after the start to one
+/// interval before the end. Throws InputError if smallest_deg > largest_deg.
 [[nodiscard]] std::vector<YawKick> make_yaw_kicks(const YawKickConfig& config, double duration_s,
                                                   std::uint64_t seed);
 
-/// By how much the kicks turn the drone in (from_s, to_s].
-[[nodiscard]] double kicked_between_rad(const std::vector<YawKick>& kicks, double from_s,
-                                        double to_s);
+/// Yaw change by the kicks in (from_s, to_s], in rad.
+[[nodiscard]] double kick_yaw_rad(const std::vector<YawKick>& kicks, double from_s, double to_s);
 
 }  // namespace stillkite

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kCoefficients = 4;
 
-// Through the bearings at the Chebyshev nodes of the segment, where a cubic errs least.
+// Cubic interpolation at the Chebyshev nodes of the segment: near-minimal maximum error.
 BearingSegment fit_segment(const Camera& camera, double middle_column, double row) {
   Eigen::Matrix4d powers;
   Eigen::Matrix<double, kCoefficients, 2> bearings;
@@ -22,9 +22,9 @@ BearingSegment fit_segment(const Camera& camera, double middle_column, double ro
     const double t =
         0.5 * BearingSegment::kColumns * std::cos((node + 0.5) * std::numbers::pi / kCoefficients);
     powers.row(node) << 1, t, t * t, t * t * t;
-    constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kNoBearing = std::numeric_limits<double>::quiet_NaN();
     const std::optional<Eigen::Vector2d> bearing = undistort(camera, {middle_column + t, row});
-    bearings.row(node) = bearing.value_or(Eigen::Vector2d::Constant(kNowhere));
+    bearings.row(node) = bearing.value_or(Eigen::Vector2d::Constant(kNoBearing));
   }
   const Eigen::Matrix<float, kCoefficients, 2> cubic =
       powers.partialPivLu().solve(bearings).cast<float>();
@@ -44,7 +44,7 @@ BearingTable tabulate_bearings(const Camera& camera, int supersampling) {
     throw InputError("camera: width, height and focal lengths must be > 0");
   }
   if (supersampling < 1 || supersampling > 4) {
-    throw InputError("supersampling: must be 1 to 4, not " + std::to_string(supersampling));
+    throw InputError("supersampling: " + std::to_string(supersampling) + " is not in 1 to 4");
   }
   constexpr int kColumns = BearingSegment::kColumns;
   BearingTable table{.supersampling = supersampling,

@@ -5,15 +5,15 @@
 
 namespace stillkite {
 
-/// How an image becomes grey bytes: gain x, then noise of that many grey values, then rounding.
+/// Sensor model: grey = round(gain x irradiance + noise), clipped to [0, 255].
 struct Exposure {
   double gain = 1;
-  double noise_grey = 0;
+  double noise_grey = 0;  ///< standard deviation, in grey values
 };
 
-/// CV_8UC1 from a noise-free CV_32FC1 image. The noise is nearly Gaussian (the sum of eight
-/// uniforms: within 3.5 sigma of it, then tails end) and independent between pixels, and between
-/// images of different `seed`; it depends on nothing but the seed and the pixel.
+/// Camera development: applies gain, noise and quantisation to a noise-free CV_32FC1 image; returns
+/// CV_8UC1. The noise is a sum of eight uniform bytes: Gaussian within 3.5 sigma, then truncated.
+/// It depends only on the seed and the pixel; pixels and seeds are independent.
 [[nodiscard]] cv::Mat develop(const cv::Mat& irradiance, const Exposure& exposure,
                               std::uint64_t seed);
 

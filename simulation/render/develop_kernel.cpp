@@ -17,7 +17,7 @@ using U = hn::RebindToUnsigned<F>;
 using I = hn::RebindToSigned<F>;
 using VU = hn::Vec<U>;
 
-// A 32-bit mixer with nearly no bias (C. Wellons, "lowbias32").
+// 32-bit integer hash with low bias (C. Wellons, "lowbias32").
 HWY_INLINE VU mix_bits_32(VU x) {
   const U u;
   x = hn::Xor(x, hn::ShiftRight<16>(x));
@@ -27,7 +27,7 @@ HWY_INLINE VU mix_bits_32(VU x) {
   return hn::Xor(x, hn::ShiftRight<16>(x));
 }
 
-// Bytes 0 and 2, and 1 and 3, added in the two halves of a word.
+// Sums byte 0 + byte 1 in the lower and byte 2 + byte 3 in the upper half of a word.
 HWY_INLINE VU add_bytes(VU x) {
   const VU mask = hn::Set(U(), 0x00ff00ffU);
   return hn::Add(hn::And(x, mask), hn::And(hn::ShiftRight<8>(x), mask));
@@ -47,9 +47,9 @@ void develop_dispatched(const DevelopRow& row) {
   const VU lane = hn::Iota(u, 0);
   for (int k = 0; k < row.count; k += static_cast<int>(hn::Lanes(f))) {
     const VU pixel = hn::Add(lane, hn::Set(u, row.first_pixel + static_cast<std::uint32_t>(k)));
-    const VU mixed = mix_bits_32(hn::Add(mix_bits_32(hn::Xor(pixel, key_1)), key_2));
-    const VU again = mix_bits_32(hn::Xor(mixed, key_1));
-    const VU pairs = hn::Add(add_bytes(mixed), add_bytes(again));
+    const VU hash_1 = mix_bits_32(hn::Add(mix_bits_32(hn::Xor(pixel, key_1)), key_2));
+    const VU hash_2 = mix_bits_32(hn::Xor(hash_1, key_1));
+    const VU pairs = hn::Add(add_bytes(hash_1), add_bytes(hash_2));
     const VU sum = hn::Add(hn::And(pairs, hn::Set(u, 0xffffU)), hn::ShiftRight<16>(pairs));
     const auto noise =
         hn::Mul(hn::Sub(hn::ConvertTo(f, hn::BitCast(i, sum)), hn::Set(f, kMean)), grey_per_count);

@@ -4,20 +4,20 @@
 
 namespace stillkite {
 
-/// One row of `develop`; the count is a multiple of kDevelopPadding.
+/// One row of `develop`.
 struct DevelopRow {
   const float* irradiance = nullptr;
   std::uint8_t* grey = nullptr;
-  int count = 0;
-  std::uint32_t first_pixel = 0;  ///< its number in the image
-  std::uint32_t key_1 = 0;        ///< of the image
+  int count = 0;                  ///< multiple of kDevelopPadding
+  std::uint32_t first_pixel = 0;  ///< index in the image
+  std::uint32_t key_1 = 0;        ///< noise key of the image
   std::uint32_t key_2 = 0;
   float gain = 1;
   float noise_grey = 0;
 };
 inline constexpr int kDevelopPadding = 16;
 
-/// With the widest vector instructions of this processor, chosen at run time.
+/// Dispatches at run time to the widest vector instructions of the processor.
 void develop_row(const DevelopRow& row);
 
 }  // namespace stillkite

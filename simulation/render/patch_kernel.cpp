@@ -25,23 +25,23 @@ HWY_INLINE VF cubic(const std::array<float, 4>& a, VF t) {
 constexpr int kColumns = BearingSegment::kColumns;
 constexpr int kTilePixels = PatchTile::kRows * kColumns;
 
-// Of a tile's columns, the distance of the sample from the middle of its segment.
-using ColumnPlaces = std::array<float, kColumns>;
+// Distance of each column's sample from the segment centre.
+using ColumnOffsets = std::array<float, kColumns>;
 
-// The bearings of a vector of pixels, the first of them that many on from the tile's first.
+// Bearings of a vector of pixels from index `first` of the tile.
 struct Bearings {
   VF x, y;
 };
-HWY_INLINE Bearings bearings_at(const PatchTile& tile, const ColumnPlaces& columns, int first) {
+HWY_INLINE Bearings bearings_at(const PatchTile& tile, const ColumnOffsets& columns, int first) {
   const BearingSegment& segment = *tile.segments[first / kColumns];
   const VF t = hn::Load(F(), &columns[first % kColumns]);
   return {cubic(segment.x, t), cubic(segment.y, t)};
 }
 
-// The number of the nearest candidate, -1 where there is none.
+// Index of the nearest candidate; -1 without one.
 HWY_INLINE VF nearest_of(const PatchTile& tile, VF x, VF y) {
   const F f;
-  VF nearest = hn::Zero(f);  // in inverse depth
+  VF nearest = hn::Zero(f);  // inverse depth
   VF winner = hn::Set(f, -1.0F);
   for (int k = 0; k < tile.candidate_count; ++k) {
     const PatchView& patch = *tile.candidates[k].view;
@@ -59,64 +59,63 @@ HWY_INLINE VF nearest_of(const PatchTile& tile, VF x, VF y) {
   return winner;
 }
 
-// Where in a patch's image the pixels of a tile lie, a vector after the other. First all places
-// are computed and their memory is asked for, then it is read: a tile's texels come from far away,
-// and waiting for each alone would take longer than all else.
-struct TilePlaces {
+// Texel addresses and bilinear weights of a tile's pixels. All addresses are computed and
+// prefetched before the first read, which hides the memory latency.
+struct TileTexels {
   HWY_ALIGN std::array<std::int32_t, kTilePixels> offset;
   HWY_ALIGN std::array<float, kTilePixels> a;
   HWY_ALIGN std::array<float, kTilePixels> b;
 };
-HWY_INLINE void put(const PatchView& patch, const QuadPlace& place, int at, TilePlaces& places) {
+HWY_INLINE void store(const PatchView& patch, const TexelQuad& quad, int at, TileTexels& texels) {
   const F f;
-  hn::Store(place.offset, I(), &places.offset[at]);
-  hn::Store(place.a, f, &places.a[at]);
-  hn::Store(place.b, f, &places.b[at]);
-  hwy::Prefetch(patch.pairs + places.offset[at]);
-  hwy::Prefetch(patch.pairs + places.offset[at + static_cast<int>(hn::Lanes(f)) - 1]);
+  hn::Store(quad.offset, I(), &texels.offset[at]);
+  hn::Store(quad.a, f, &texels.a[at]);
+  hn::Store(quad.b, f, &texels.b[at]);
+  hwy::Prefetch(patch.pairs + texels.offset[at]);
+  hwy::Prefetch(patch.pairs + texels.offset[at + static_cast<int>(hn::Lanes(f)) - 1]);
 }
-HWY_INLINE VF grey_at(const PatchView& patch, const TilePlaces& places, int at) {
+HWY_INLINE VF grey_at(const PatchView& patch, const TileTexels& texels, int at) {
   const F f;
   const auto* quads = reinterpret_cast<const std::uint32_t*>(patch.pairs);
-  const VU quad = hn::GatherOffset(U(), quads, hn::Load(I(), &places.offset[at]));
-  return within_quad(quad, hn::Load(f, &places.a[at]), hn::Load(f, &places.b[at]));
+  const VU quad = hn::GatherOffset(U(), quads, hn::Load(I(), &texels.offset[at]));
+  return within_quad(quad, hn::Load(f, &texels.a[at]), hn::Load(f, &texels.b[at]));
 }
 
-// Adds one patch where `winners` has its number.
-HWY_INLINE void add_patch(const PatchTile& tile, const ColumnPlaces& columns, int number,
+// Adds the samples of candidate `number` where it is the nearest (`winners`).
+HWY_INLINE void add_patch(const PatchTile& tile, const ColumnOffsets& columns, int number,
                           const float* winners) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
   const PatchView& patch = *tile.candidates[number].view;
-  const int level = only_level(tile.candidates[number], tile.round_up);
+  const int level = common_level(tile.candidates[number], tile.round_up);
   const PatchLevel only = patch.levels[std::max(0, level)];
-  const VF wanted = hn::Set(f, static_cast<float>(number));
+  const VF index = hn::Set(f, static_cast<float>(number));
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read
-  TilePlaces places;
+  TileTexels texels;
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read
   std::array<std::int16_t, kTilePixels> firsts;
   int count = 0;
-  // without a branch, which no processor would foresee
+  // branch-free compaction: the branch would be unpredictable
   for (int first = 0; first < tile.rows * kColumns; first += lanes) {
     firsts[count] = static_cast<std::int16_t>(first);
-    count += hn::AllFalse(f, hn::Eq(hn::Load(f, winners + first), wanted)) ? 0 : 1;
+    count += hn::AllFalse(f, hn::Eq(hn::Load(f, winners + first), index)) ? 0 : 1;
   }
   for (int k = 0; k < count; ++k) {
-    const Mask seen = hn::Eq(hn::Load(f, winners + firsts[k]), wanted);
+    const Mask visible = hn::Eq(hn::Load(f, winners + firsts[k]), index);
     const Bearings bearing = bearings_at(tile, columns, firsts[k]);
-    const QuadPlace place = place_in<false>(patch, bearing.x, bearing.y, tile.round_up, seen,
+    const TexelQuad quad = texels_of<false>(patch, bearing.x, bearing.y, tile.round_up, visible,
                                             level < 0 ? nullptr : &only);
-    put(patch, place, lanes * k, places);
+    store(patch, quad, lanes * k, texels);
   }
   for (int k = 0; k < count; ++k) {
     float* grey = tile.grey + firsts[k];
-    const Mask seen = hn::Eq(hn::Load(f, winners + firsts[k]), wanted);
-    const VF value = hn::IfThenElseZero(seen, grey_at(patch, places, lanes * k));
+    const Mask visible = hn::Eq(hn::Load(f, winners + firsts[k]), index);
+    const VF value = hn::IfThenElseZero(visible, grey_at(patch, texels, lanes * k));
     hn::StoreU(hn::Add(hn::LoadU(f, grey), value), f, grey);
   }
 }
 
-// A functional of the bearing along a segment, where both coordinates are cubic: so is it.
+// Linear function of the bearing along a segment; cubic, as both coordinates are.
 HWY_INLINE std::array<float, 4> cubic_along(const std::array<float, 3>& a,
                                             const BearingSegment& segment) {
   std::array<float, 4> out{};
@@ -125,7 +124,7 @@ HWY_INLINE std::array<float, 4> cubic_along(const std::array<float, 3>& a,
   return out;
 }
 
-// a of the finest level, times the inverse depth, on another level.
+// Linear function of a texel coordinate x inverse depth, from the finest level to `level`.
 HWY_INLINE std::array<float, 3> on_level(const PatchLevel& level, const std::array<float, 3>& a,
                                          const std::array<float, 3>& inverse_depth) {
   std::array<float, 3> out{};
@@ -133,9 +132,9 @@ HWY_INLINE std::array<float, 3> on_level(const PatchLevel& level, const std::arr
   return out;
 }
 
-// The places in a patch that covers the tile, on the one level that it has there.
-HWY_INLINE void find_level_places(const PatchTile& tile, const ColumnPlaces& columns,
-                                  const PatchLevel& level, TilePlaces& places) {
+// Texels of a patch that covers the tile on a single pyramid level.
+HWY_INLINE void find_level_texels(const PatchTile& tile, const ColumnOffsets& columns,
+                                  const PatchLevel& level, TileTexels& texels) {
   const F f;
   const PatchView& patch = *tile.candidates[0].view;
   const std::array<float, 3> level_u = on_level(level, patch.u, patch.inverse_depth);
@@ -148,41 +147,41 @@ HWY_INLINE void find_level_places(const PatchTile& tile, const ColumnPlaces& col
     for (int column = 0; column < kColumns; column += static_cast<int>(hn::Lanes(f))) {
       const VF t = hn::Load(f, &columns[column]);
       const VF depth = hn::Div(hn::Set(f, 1.0F), cubic(inverse_depth, t));
-      const QuadPlace place =
-          place_at(level, hn::Mul(depth, cubic(u, t)), hn::Mul(depth, cubic(v, t)));
-      put(patch, place, row * kColumns + column, places);
+      const TexelQuad quad =
+          texel_quad(level, hn::Mul(depth, cubic(u, t)), hn::Mul(depth, cubic(v, t)));
+      store(patch, quad, row * kColumns + column, texels);
     }
   }
 }
 
-// Adds the patch that covers the tile.
-HWY_INLINE void add_cover(const PatchTile& tile, const ColumnPlaces& columns) {
+// Adds the samples of the patch that covers the tile.
+HWY_INLINE void add_cover(const PatchTile& tile, const ColumnOffsets& columns) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
   const PatchView& patch = *tile.candidates[0].view;
-  const int level = only_level(tile.candidates[0], tile.round_up);
+  const int level = common_level(tile.candidates[0], tile.round_up);
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): written before it is read
-  TilePlaces places;
+  TileTexels texels;
   if (level >= 0 && !patch.mirrored) {
-    find_level_places(tile, columns, patch.levels[level], places);
+    find_level_texels(tile, columns, patch.levels[level], texels);
   } else {
     const Mask everywhere = hn::Eq(hn::Zero(f), hn::Zero(f));
     for (int first = 0; first < tile.rows * kColumns; first += lanes) {
       const Bearings bearing = bearings_at(tile, columns, first);
-      put(patch, place_in<true>(patch, bearing.x, bearing.y, tile.round_up, everywhere, nullptr),
-          first, places);
+      store(patch, texels_of<true>(patch, bearing.x, bearing.y, tile.round_up, everywhere, nullptr),
+            first, texels);
     }
   }
   for (int first = 0; first < tile.rows * kColumns; first += lanes) {
     float* grey = tile.grey + first;
-    hn::StoreU(hn::Add(hn::LoadU(f, grey), grey_at(patch, places, first)), f, grey);
+    hn::StoreU(hn::Add(hn::LoadU(f, grey), grey_at(patch, texels, first)), f, grey);
   }
 }
 
 void add_tile_kernel(const PatchTile& tile) {
   const F f;
   const int lanes = static_cast<int>(hn::Lanes(f));
-  HWY_ALIGN ColumnPlaces columns;
+  HWY_ALIGN ColumnOffsets columns;
   for (int first = 0; first < kColumns; first += lanes) {
     const float from_middle = static_cast<float>(first) - 0.5F * (kColumns - 1) + tile.offset;
     hn::Store(hn::Iota(f, from_middle), f, &columns[first]);
@@ -197,8 +196,8 @@ void add_tile_kernel(const PatchTile& tile) {
     const VF winner = nearest_of(tile, bearing.x, bearing.y);
     hn::Store(winner, f, &winners[first]);
     const VF sum = hn::LoadU(f, tile.grey + first);
-    const VF bare = hn::IfThenElseZero(hn::Lt(winner, hn::Zero(f)), background);
-    hn::StoreU(hn::Add(sum, bare), f, tile.grey + first);
+    const VF uncovered = hn::IfThenElseZero(hn::Lt(winner, hn::Zero(f)), background);
+    hn::StoreU(hn::Add(sum, uncovered), f, tile.grey + first);
   }
   for (int k = 0; k < tile.candidate_count; ++k) add_patch(tile, columns, k, winners.data());
 }

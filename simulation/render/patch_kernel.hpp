@@ -8,54 +8,55 @@
 
 namespace stillkite {
 
-/// One pyramid level of a patch's image, at coordinates (u, v) of the finest one.
+/// One pyramid level of a patch's texture: level coordinate = scale x finest coordinate + shift.
 struct PatchLevel {
-  float scale = 1;  ///< of the level's coordinates, and what is added to them
+  float scale = 1;
   float shift = 0;
-  float last_u = 0;  ///< of the level's last texel
+  float last_u = 0;  ///< coordinates of the level's last texel
   float last_v = 0;
-  std::uint32_t pitch = 0;   ///< bytes from a row to the next
-  std::uint32_t offset = 0;  ///< of the first texel from the image's, in bytes
+  std::uint32_t pitch = 0;   ///< bytes per row
+  std::uint32_t offset = 0;  ///< bytes from the first texel of the pyramid to that of the level
 };
 
-/// A patch as one camera sees it; every array times the bearing b = (x, y, 1). The point seen along
-/// b is at depth 1 / (inverse_depth . b) and texel (u . b, v . b) / (inverse_depth . b).
+/// Projection of a patch into one camera; linear functions of the bearing b = (x, y, 1). The point
+/// along b has depth 1 / (inverse_depth . b) and texel (u . b, v . b) / (inverse_depth . b).
 struct PatchView {
   std::array<float, 3> inverse_depth{};  ///< > 0 in front of the camera
   std::array<float, 3> u{};
   std::array<float, 3> v{};
-  float width_texels = 0;  ///< of the rectangle, which may be more than the image's
+  float width_texels = 0;  ///< rectangle size; may exceed the texture size
   float height_texels = 0;
-  float texels_per_cubed_depth = 0;     ///< a pixel covers depth^3 times this, in square texels
-  bool mirrored = false;                ///< the rectangle is larger than the image
-  const std::uint8_t* pairs = nullptr;  ///< of GroundTexture
+  float texels_per_cubed_depth = 0;     ///< footprint of a pixel / depth^3, in square texels
+  bool mirrored = false;                ///< rectangle larger than its texture
+  const std::uint8_t* pairs = nullptr;  ///< GroundTexture::pairs
   int level_count = 1;
   std::array<PatchLevel, 12> levels{};
 };
 
-/// A patch of which something may be seen, and between which inverse depths.
+/// Potentially visible patch with bounds of its inverse depth.
 struct PatchCandidate {
   const PatchView* view = nullptr;
-  float least_inverse_depth = 0;  ///< <= 0: as far as can be
-  float most_inverse_depth = 0;
+  float min_inverse_depth = 0;  ///< <= 0: unbounded depth
+  float max_inverse_depth = 0;
 };
 
-/// One sample a pixel of a rectangle of pixels, and the patches that may be seen there.
+/// One sample per pixel of a rectangle of pixels, with the patches that may be visible there.
 struct PatchTile {
-  static constexpr int kRows = 16;  ///< at most
+  static constexpr int kRows = 16;  ///< maximum
 
   const PatchCandidate* candidates = nullptr;
   int candidate_count = 0;
-  bool covered = false;  ///< by its only candidate
+  bool covered = false;  ///< the only candidate fills the tile
   float background_grey = 0;
   int rows = 0;
-  const BearingSegment* const* segments = nullptr;  ///< a row
-  float offset = 0;                                 ///< of the sample from its pixel, along the row
+  const BearingSegment* const* segments = nullptr;  ///< one per row
+  float offset = 0;       ///< horizontal offset of the sample from the pixel centre, in pixels
   float round_up = 0;     ///< added to the sample's pyramid level before the floor
-  float* grey = nullptr;  ///< of BearingSegment::kColumns pixels a row; the values are added
+  float* grey = nullptr;  ///< BearingSegment::kColumns accumulators per row
 };
 
-/// With the widest vector instructions of this processor, chosen at run time.
+/// Adds the samples of a tile to `grey`. Dispatches at run time to the widest vector instructions
+/// of the processor.
 void add_tile(const PatchTile& tile);
 
 }  // namespace stillkite

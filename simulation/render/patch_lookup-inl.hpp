@@ -1,5 +1,5 @@
-// Where a sample lies in a patch's image, and what is there: compiled once a target of Highway,
-// as part of the kernel that includes it.
+// Texture lookup of a patch sample; compiled once per Highway target as part of the including
+// kernel.
 
 #if defined(STILLKITE_PATCH_LOOKUP_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef STILLKITE_PATCH_LOOKUP_INL
@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A row of a tile is a whole number of vectors.
+// The lane cap makes a tile row a whole number of vectors.
 using F = hn::CappedTag<float, BearingSegment::kColumns>;
 using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
@@ -49,23 +49,22 @@ HWY_INLINE VF within_quad(VU quad, VF a, VF b) {
                blend(byte_of<8>(quad), byte_of<24>(quad), a), b);
 }
 
-// A coordinate reflected about the centres of the first and the last texel.
+// Reflects a coordinate about the centres of the first and the last texel.
 HWY_INLINE VF reflect(VF u, float last) {
   const F f;
   const float period = 2 * last;
-  const VF turns = hn::Round(hn::Mul(u, hn::Set(f, 1 / period)));
-  return hn::Abs(hn::NegMulAdd(turns, hn::Set(f, period), u));
+  const VF periods = hn::Round(hn::Mul(u, hn::Set(f, 1 / period)));
+  return hn::Abs(hn::NegMulAdd(periods, hn::Set(f, period), u));
 }
 
-// Four texels about a place in an image: their bytes' offset, and how far on it is between them.
-struct QuadPlace {
+// Four texels around a position: byte offset and bilinear weights.
+struct TexelQuad {
   VI offset;
   VF a, b;
 };
 
-// Whole numbers up to 2^22 are the last bits of 2^23 plus them: shorter than conversions, which
-// look after what is too large.
-HWY_INLINE QuadPlace place_at(const PatchLevel& level, VF level_u, VF level_v) {
+// Integers n < 2^22 are the low bits of the float 2^23 + n; faster than a saturating conversion.
+HWY_INLINE TexelQuad texel_quad(const PatchLevel& level, VF level_u, VF level_v) {
   const F f;
   const U w;
   constexpr float kToBits = 0x1.0p23F;
@@ -83,76 +82,75 @@ HWY_INLINE QuadPlace place_at(const PatchLevel& level, VF level_u, VF level_v) {
   return {hn::BitCast(I(), offset), hn::Sub(at_u, column), hn::Sub(at_v, row)};
 }
 
-// From coordinates of the finest level.
-HWY_INLINE QuadPlace place_on(const PatchLevel& level, VF u, VF v) {
+// Texels on a level from coordinates of the finest level.
+HWY_INLINE TexelQuad level_texels(const PatchLevel& level, VF u, VF v) {
   const F f;
   const VF scale = hn::Set(f, level.scale);
   const VF shift = hn::Set(f, level.shift);
-  return place_at(level, hn::MulAdd(u, scale, shift), hn::MulAdd(v, scale, shift));
+  return texel_quad(level, hn::MulAdd(u, scale, shift), hn::MulAdd(v, scale, shift));
 }
 
-// The pyramid level of the logarithm of the footprint, rounded up for as many samples of a pixel as
-// its fraction says: their mean goes over from level to level, for one read a sample.
+// Pyramid level: floor(log2(footprint) / 2 + round_up). `round_up` varies over the samples of a
+// pixel, so that their mean interpolates between two levels with one read per sample.
 HWY_INLINE VF level_at(const PatchView& patch, VF depth, float round_up) {
   const F f;
   const VF area =
       hn::Mul(hn::Mul(hn::Mul(depth, depth), depth), hn::Set(f, patch.texels_per_cubed_depth));
-  // the bits of a float are, but for scale and offset, its logarithm, linear between powers of two
+  // float bits ~ scaled and shifted log2, piecewise linear between powers of two
   const VF bits = hn::ConvertTo(f, hn::BitCast(I(), hn::Max(area, hn::Set(f, 1.0F))));
   const VF logarithm = hn::MulAdd(bits, hn::Set(f, 0x1.0p-24F), hn::Set(f, -63.5F));
   const auto last = static_cast<float>(patch.level_count - 1);
   return hn::Min(hn::Floor(hn::Add(logarithm, hn::Set(f, round_up))), hn::Set(f, last));
 }
 
-// The level of all that a tile shows of a patch, -1 where it is not one.
-HWY_INLINE int only_level(const PatchCandidate& candidate, float round_up) {
-  if (!(candidate.least_inverse_depth > 0)) return -1;
+// Single pyramid level of all samples of a patch in a tile; -1 if there are several.
+HWY_INLINE int common_level(const PatchCandidate& candidate, float round_up) {
+  if (!(candidate.min_inverse_depth > 0)) return -1;
   const F f;
   const auto level = [&](float inverse_depth) HWY_ATTR {
     const VF depth = hn::Set(f, 1.0F / inverse_depth);
     return static_cast<int>(hn::GetLane(level_at(*candidate.view, depth, round_up)));
   };
-  const int farthest = level(candidate.least_inverse_depth);
-  return level(candidate.most_inverse_depth) == farthest ? farthest : -1;
+  const int farthest = level(candidate.min_inverse_depth);
+  return level(candidate.max_inverse_depth) == farthest ? farthest : -1;
 }
 
-// `only`: the level of the whole tile, if it is one; `seen`: where it matters.
+// `only`: the single level of the tile, or null; `visible`: lanes to evaluate.
 template <bool kEverywhere>
-HWY_INLINE QuadPlace place_in(const PatchView& patch, VF x, VF y, float round_up, Mask seen,
-                              const PatchLevel* only) {
+HWY_INLINE TexelQuad texels_of(const PatchView& patch, VF x, VF y, float round_up, Mask visible,
+                               const PatchLevel* only) {
   const F f;
   const I i;
   const VF one = hn::Set(f, 1.0F);
   VF inverse_depth = along(patch.inverse_depth, x, y);
-  if constexpr (!kEverywhere) inverse_depth = hn::IfThenElse(seen, inverse_depth, one);
+  if constexpr (!kEverywhere) inverse_depth = hn::IfThenElse(visible, inverse_depth, one);
   const VF depth = hn::Div(one, inverse_depth);
   VF u = hn::Mul(depth, along(patch.u, x, y));
   VF v = hn::Mul(depth, along(patch.v, x, y));
   if constexpr (!kEverywhere) {
-    u = hn::IfThenElseZero(seen, u);
-    v = hn::IfThenElseZero(seen, v);
+    u = hn::IfThenElseZero(visible, u);
+    v = hn::IfThenElseZero(visible, v);
   }
   if (patch.mirrored) {
     u = reflect(u, patch.levels[0].last_u);
     v = reflect(v, patch.levels[0].last_v);
   }
-  if (only != nullptr) return place_on(*only, u, v);
+  if (only != nullptr) return level_texels(*only, u, v);
   const VF level = level_at(patch, depth, round_up);
   const float first = hn::GetLane(level);
-  const QuadPlace there = place_on(patch.levels[static_cast<int>(first)], u, v);
-  if (hn::AllTrue(f, hn::Eq(level, hn::Set(f, first)))) return there;
+  TexelQuad quad = level_texels(patch.levels[static_cast<int>(first)], u, v);
+  if (hn::AllTrue(f, hn::Eq(level, hn::Set(f, first)))) return quad;
 
-  QuadPlace place = there;
   const int lowest = static_cast<int>(hn::GetLane(hn::MinOfLanes(f, level)));
   const int highest = static_cast<int>(hn::GetLane(hn::MaxOfLanes(f, level)));
   for (int number = lowest; number <= highest; ++number) {
     const Mask here = hn::Eq(level, hn::Set(f, static_cast<float>(number)));
     if (hn::AllFalse(f, here)) continue;
-    const QuadPlace other = place_on(patch.levels[number], u, v);
-    place = {hn::IfThenElse(hn::RebindMask(i, here), other.offset, place.offset),
-             hn::IfThenElse(here, other.a, place.a), hn::IfThenElse(here, other.b, place.b)};
+    const TexelQuad other = level_texels(patch.levels[number], u, v);
+    quad = {hn::IfThenElse(hn::RebindMask(i, here), other.offset, quad.offset),
+            hn::IfThenElse(here, other.a, quad.a), hn::IfThenElse(here, other.b, quad.b)};
   }
-  return place;
+  return quad;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -20,26 +20,27 @@ float at(const std::array<float, 4>& cubic, float t) {
   return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]));
 }
 
-BearingBounds bounds_between(const Eigen::Array2f& low, const Eigen::Array2f& high, bool sees_all) {
+BearingBounds bounds_between(const Eigen::Array2f& low, const Eigen::Array2f& high,
+                             bool all_valid) {
   constexpr float kRounding = 1e-6F;
   return {.centre_x = 0.5F * (low.x() + high.x()),
           .centre_y = 0.5F * (low.y() + high.y()),
           .reach_x = 0.5F * (high.x() - low.x()) + kRounding,
           .reach_y = 0.5F * (high.y() - low.y()) + kRounding,
-          .sees_all = sees_all};
+          .all_valid = all_valid};
 }
 
 BearingBounds bounds_of(const BearingTable& bearings, int first_row, int rows, int first_segment,
                         int segments) {
   Eigen::Array2f low = Eigen::Array2f::Constant(std::numeric_limits<float>::max());
   Eigen::Array2f high = -low;
-  bool sees_all = true;
+  bool all_valid = true;
   const int samples = bearings.samples_a_pixel();
   for (int k = 0; k < rows * samples * segments; ++k) {
     const BearingSegment& piece =
         bearings.row(first_row, k / segments)[first_segment + k % segments];
     if (std::isnan(piece.x[0])) {
-      sees_all = false;
+      all_valid = false;
       continue;
     }
     const int sample = k / segments % samples;
@@ -51,60 +52,59 @@ BearingBounds bounds_of(const BearingTable& bearings, int first_row, int rows, i
       high = high.max(bearing);
     }
   }
-  return bounds_between(low, high, sees_all);
+  return bounds_between(low, high, all_valid);
 }
 
-// Evenly within (0, 1) over the samples of a pixel, in an order unlike theirs. Two that lie
-// opposite each other have the same, so that those of either level have their middle where the
-// pixel has its.
-float rounding_of(int sample, int samples) {
+// Level rounding of a sample: uniform in (0, 1) over the samples of a pixel, in permuted order.
+// Point-symmetric samples share a value, so that the samples of each level are centred on the
+// pixel.
+float level_rounding(int sample, int samples) {
   constexpr int kStride = 3;
   const int pairs = (samples + 1) / 2;
   const int pair = std::min(sample, samples - 1 - sample);
   return (static_cast<float>(kStride * pair % pairs) + 0.5F) / static_cast<float>(pairs);
 }
 
-struct TilePlace {
+struct TilePosition {
   int first_row = 0;
   int rows = 0;
   int segment = 0;
 };
 
-// What a tile shows, the samples of a pixel dealt out to the instants, of each of which it is known
-// what is near the tile.
-using TileLight = std::array<float, kTileColumns * kTileRows>;
-TileLight light_of(const BearingTable& bearings, const std::vector<VisiblePatches>& near,
-                   const BearingBounds& bounds, const TilePlace& place, float background_grey) {
-  TileLight light{};
+// Sum of a tile's samples, distributed over the instants. `nearby`: candidates per instant.
+using TileSum = std::array<float, kTileColumns * kTileRows>;
+TileSum render_tile(const BearingTable& bearings, const std::vector<VisiblePatches>& nearby,
+                    const BearingBounds& bounds, const TilePosition& tile, float background_grey) {
+  TileSum sum{};
   const int samples = bearings.samples_a_pixel();
-  const int instants = static_cast<int>(near.size());
+  const int instants = static_cast<int>(nearby.size());
   std::array<const BearingSegment*, kTileRows> segments{};
   for (int instant = 0; instant < instants; ++instant) {
-    const VisiblePatches visible = visible_within(near[instant].patches, bounds);
+    const VisiblePatches visible = visible_within(nearby[instant].patches, bounds);
     for (int sample = instant; sample < samples; sample += instants) {
-      for (int row = 0; row < place.rows; ++row) {
-        segments[row] = bearings.row(place.first_row + row, sample) + place.segment;
+      for (int row = 0; row < tile.rows; ++row) {
+        segments[row] = bearings.row(tile.first_row + row, sample) + tile.segment;
       }
       const double right = sample_offset(sample, bearings.supersampling).right;
       add_tile({.candidates = visible.patches.data(),
                 .candidate_count = static_cast<int>(visible.patches.size()),
                 .covered = visible.covered,
                 .background_grey = background_grey,
-                .rows = place.rows,
+                .rows = tile.rows,
                 .segments = segments.data(),
                 .offset = static_cast<float>(right),
-                .round_up = rounding_of(sample, samples),
-                .grey = light.data()});
+                .round_up = level_rounding(sample, samples),
+                .grey = sum.data()});
     }
   }
-  return light;
+  return sum;
 }
 
-std::vector<VisiblePatches> visible_at_all_instants(const std::vector<VisiblePatches>& before,
+std::vector<VisiblePatches> visible_at_all_instants(const std::vector<VisiblePatches>& outer,
                                                     const BearingBounds& bounds) {
   std::vector<VisiblePatches> visible;
-  visible.reserve(before.size());
-  for (const VisiblePatches& at : before) visible.push_back(visible_within(at.patches, bounds));
+  visible.reserve(outer.size());
+  for (const VisiblePatches& at : outer) visible.push_back(visible_within(at.patches, bounds));
   return visible;
 }
 
@@ -135,7 +135,8 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
   const int samples = bearings_.samples_a_pixel();
   if (shutter.instants < 1 || samples % shutter.instants != 0) {
     throw InputError("shutter: " + std::to_string(shutter.instants) +
-                     " instants do not divide the " + std::to_string(samples) + " samples a pixel");
+                     " instants do not divide the " + std::to_string(samples) +
+                     " samples per pixel; choose a divisor");
   }
   const int instants = shutter.instants;
   const double focal_px = std::min(camera_.focal_x_px, camera_.focal_y_px);
@@ -153,7 +154,7 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
   }
 
   cv::Mat image(camera_.height_px, camera_.width_px, CV_32FC1);
-  const float share = 1.0F / static_cast<float>(samples);
+  const float weight = 1.0F / static_cast<float>(samples);
   const auto background = static_cast<float>(scene.background_grey);
   const auto* group = groups_.data();
   const auto* tile = tiles_.data();
@@ -164,14 +165,14 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
     std::vector<VisiblePatches> in_group;
     for (int segment = 0; segment < bearings_.segments_a_row; ++segment) {
       if (segment % kTilesAGroup == 0) in_group = visible_at_all_instants(in_band, *group++);
-      const TileLight light =
-          light_of(bearings_, in_group, *tile++, {first_row, rows, segment}, background);
+      const TileSum sum =
+          render_tile(bearings_, in_group, *tile++, {first_row, rows, segment}, background);
       const int first_column = segment * kTileColumns;
       const int columns = std::min(kTileColumns, camera_.width_px - first_column);
       for (int row = 0; row < rows; ++row) {
-        std::transform(&light[row * kTileColumns], &light[row * kTileColumns] + columns,
+        std::transform(&sum[row * kTileColumns], &sum[row * kTileColumns] + columns,
                        image.ptr<float>(first_row + row) + first_column,
-                       [share](float sum) { return share * sum; });
+                       [weight](float grey) { return weight * grey; });
       }
     }
   }

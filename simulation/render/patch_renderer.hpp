@@ -11,33 +11,34 @@
 
 namespace stillkite {
 
-/// An open shutter: the camera moves evenly from one pose to the other. The samples of a pixel are
-/// dealt out to `instants`, evenly spaced, so that blur costs next to nothing.
+/// Exposure with uniform camera motion between two poses. The samples of a pixel are distributed
+/// over `instants` equally spaced poses, so that motion blur costs little extra time.
 struct Shutter {
   RigidTransform world_from_camera_at_opening;
   RigidTransform world_from_camera_at_closing;
-  int instants = 4;  ///< divides the samples a pixel
+  int instants = 4;  ///< divisor of the samples per pixel
 };
 
-/// One camera with the bearings of all its samples, computed once, over scenes of patches.
+/// Renderer of one camera for scenes of patches; the bearings of all samples are computed once.
 class PatchRenderer {
  public:
-  /// `supersampling`: samples a pixel and direction, 1 to 4. Throws InputError on a bad camera.
+  /// `supersampling`: samples per pixel and direction, 1 to 4. Throws InputError for an invalid
+  /// camera or supersampling.
   PatchRenderer(const Camera& camera, int supersampling);
 
-  /// Noise-free image, CV_32FC1 in grey values: every pixel the mean of its samples, each of
-  /// which shows the nearest patch that its ray meets.
+  /// Noise-free image, CV_32FC1 in grey values. A sample is the nearest patch along its ray; a
+  /// pixel is the mean of its samples.
   [[nodiscard]] cv::Mat render(const PatchScene& scene,
                                const RigidTransform& world_from_camera) const;
 
-  /// Throws InputError if `instants` does not divide the samples a pixel.
+  /// Image with motion blur. Throws InputError if `instants` does not divide the samples per pixel.
   [[nodiscard]] cv::Mat render(const PatchScene& scene, const Shutter& shutter) const;
 
  private:
   Camera camera_;
   BearingTable bearings_;
-  std::vector<BearingBounds> bands_;   // of rows of tiles
-  std::vector<BearingBounds> groups_;  // of neighbours in a band
+  std::vector<BearingBounds> bands_;   // one per row of tiles
+  std::vector<BearingBounds> groups_;  // adjacent tiles of a band
   std::vector<BearingBounds> tiles_;   // row by row
 };
 

@@ -8,7 +8,7 @@
 namespace stillkite {
 namespace {
 
-using Functional = std::array<float, 3>;  // of the bearing (x, y, 1)
+using Functional = std::array<float, 3>;  // linear function of the bearing (x, y, 1)
 
 Functional functional(const Eigen::Vector3d& a) {
   return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z())};
@@ -19,9 +19,10 @@ struct Span {
   float high = 0;
 };
 
-Span span_of(const Functional& a, const BearingBounds& in) {
-  const float middle = a[0] * in.centre_x + a[1] * in.centre_y + a[2];
-  const float reach = std::abs(a[0]) * in.reach_x + std::abs(a[1]) * in.reach_y;
+// Range of a linear function over a rectangle of bearings.
+Span span_of(const Functional& a, const BearingBounds& bounds) {
+  const float middle = a[0] * bounds.centre_x + a[1] * bounds.centre_y + a[2];
+  const float reach = std::abs(a[0]) * bounds.reach_x + std::abs(a[1]) * bounds.reach_y;
   return {middle - reach, middle + reach};
 }
 
@@ -47,13 +48,13 @@ std::optional<PatchView> view_of(const Patch& patch, const RigidTransform& camer
   const Eigen::Vector3d corner = camera_from_world * patch.corner_in_world_m;
   const Eigen::Vector3d right = R * patch.right_in_world_m.normalized();
   const Eigen::Vector3d down = R * patch.down_in_world_m.normalized();
-  const Eigen::Vector3d away = right.cross(down);
-  const double distance_m = away.dot(corner);
-  constexpr double kNearest_m = 1e-3;
-  if (!(distance_m > kNearest_m)) return std::nullopt;
+  const Eigen::Vector3d back_normal = right.cross(down);
+  const double distance_m = back_normal.dot(corner);
+  constexpr double kMinDistance_m = 1e-3;
+  if (!(distance_m > kMinDistance_m)) return std::nullopt;
 
-  // the point on the bearing b is b / (inverse_depth . b), from the corner that minus the corner
-  const Eigen::Vector3d inverse_depth = away / distance_m;
+  // point along b: b / (inverse_depth . b); texel: its offset from the corner along right and down
+  const Eigen::Vector3d inverse_depth = back_normal / distance_m;
   const GroundTexture& texture = *patch.texture;
   const double texel_m = texture.metres_per_texel();
   const double width = patch.right_in_world_m.norm() / texel_m;
@@ -64,7 +65,7 @@ std::optional<PatchView> view_of(const Patch& patch, const RigidTransform& camer
                  .v = functional((down - corner.dot(down) * inverse_depth) / texel_m),
                  .width_texels = static_cast<float>(width),
                  .height_texels = static_cast<float>(height),
-                 // an element of the plane z = 1 covers depth^3 / distance of the patch
+                 // area of the patch per area of the plane z = 1: depth^3 / distance
                  .texels_per_cubed_depth =
                      static_cast<float>(1 / (distance_m * focal_px * focal_px * texel_m * texel_m)),
                  .mirrored = width > finest.width - 1 || height > finest.height - 1,
@@ -80,7 +81,7 @@ enum class Overlap { none, some, all };
 
 Overlap overlap_of(const PatchView& patch, const Span& inverse_depth, const BearingBounds& bounds) {
   if (inverse_depth.high <= 0) return Overlap::none;
-  bool all = bounds.sees_all && inverse_depth.low > 0;
+  bool all = bounds.all_valid && inverse_depth.low > 0;
   for (const Functional& inside :
        {patch.u, patch.v, scaled_difference(patch.width_texels, patch.inverse_depth, patch.u),
         scaled_difference(patch.height_texels, patch.inverse_depth, patch.v)}) {
@@ -109,7 +110,7 @@ VisiblePatches visible_within(const std::vector<PatchCandidate>& patches,
                               const BearingBounds& bounds) {
   VisiblePatches visible;
   visible.patches.reserve(patches.size());
-  const PatchView* cover = nullptr;  // of those that fill the bounds, the surely nearest one
+  const PatchView* cover = nullptr;  // patch that fills the bounds, with the smallest maximum depth
   float cover_inverse_depth = 0;
   for (const PatchCandidate& patch : patches) {
     const Span inverse_depth = span_of(patch.view->inverse_depth, bounds);
@@ -123,7 +124,7 @@ VisiblePatches visible_within(const std::vector<PatchCandidate>& patches,
   }
   if (cover) {
     std::erase_if(visible.patches, [&](const PatchCandidate& patch) {
-      return patch.view != cover && patch.most_inverse_depth < cover_inverse_depth;
+      return patch.view != cover && patch.max_inverse_depth < cover_inverse_depth;
     });
   }
   visible.covered = cover && visible.patches.size() == 1;

@@ -8,31 +8,30 @@
 
 namespace stillkite {
 
-/// The patches whose front one camera may see. `focal_px` gives the pyramid level: a texel
-/// of it is about a pixel.
+/// Projections of the patches that face the camera. `focal_px` selects the pyramid level at which a
+/// texel is about one pixel.
 [[nodiscard]] std::vector<PatchView> make_patch_views(const PatchScene& scene,
                                                       const RigidTransform& world_from_camera,
                                                       double focal_px);
 
-/// The rectangle of the plane z = 1 in which the bearings of some samples lie.
+/// Bounding rectangle of the bearings of several samples in the plane z = 1.
 struct BearingBounds {
   float centre_x = 0;
   float centre_y = 0;
-  float reach_x = 0;  ///< to either side
+  float reach_x = 0;  ///< half width
   float reach_y = 0;
-  bool sees_all = true;  ///< no sample that the lens cannot see
+  bool all_valid = true;  ///< every sample is inside the lens's field of view
 };
 
-/// Those that may be the nearest somewhere within the bounds, without those that one of them hides
-/// everywhere.
+/// Patches that may be the nearest somewhere within the bounds; fully occluded ones are removed.
 struct VisiblePatches {
   std::vector<PatchCandidate> patches;
-  bool covered = false;  ///< there is one only, and it fills the bounds
+  bool covered = false;  ///< a single patch, which fills the bounds
 };
 [[nodiscard]] VisiblePatches visible_within(const std::vector<PatchCandidate>& patches,
                                             const BearingBounds& bounds);
 
-/// All of them, at any depth.
+/// All patches, with unbounded depth.
 [[nodiscard]] std::vector<PatchCandidate> candidates_of(const std::vector<PatchView>& views);
 
 }  // namespace stillkite

@@ -12,7 +12,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most kRowPadding lanes, so that a padded row is a whole number of vectors.
+// The lane cap makes a padded row a whole number of vectors.
 using F = hn::CappedTag<float, kRowPadding>;
 using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
@@ -20,7 +20,7 @@ using VF = hn::Vec<F>;
 using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 
-constexpr float kHorizon = 1e-3F;
+constexpr float kMinDown = 1e-3F;  // a smaller down . b is at or above the horizon
 
 HWY_INLINE VF dot(const std::array<float, 3>& a, VF x, VF y) {
   const F f;
@@ -39,7 +39,7 @@ HWY_INLINE VU gather(const std::uint32_t* words, VI index) {
   return hn::GatherIndex(U(), words, index);
 }
 
-// Two neighbouring pairs of a GroundTexture.
+// Two adjacent pairs of a GroundTexture.
 HWY_INLINE VU gather_quad(const std::uint8_t* pairs, VI index) {
   return hn::GatherOffset(U(), reinterpret_cast<const std::uint32_t*>(pairs),
                           hn::ShiftLeft<1>(index));
@@ -55,15 +55,15 @@ HWY_INLINE VF bilinear(VU quad, VF a, VF b) {
   return mix(mix(byte<0>(quad), byte<16>(quad), a), mix(byte<8>(quad), byte<24>(quad), a), b);
 }
 
-// A whole coordinate reduced to [-(size - 1), size - 1], one period of the mirrored texture.
+// Reduces an integer coordinate to [-(size - 1), size - 1], one period of the mirrored texture.
 HWY_INLINE VF reduce(VF whole, float size) {
   const F f;
   const float period = 2 * (size - 1);
-  const VF turns = hn::Round(hn::Mul(whole, hn::Set(f, 1 / period)));
-  return hn::NegMulAdd(turns, hn::Set(f, period), whole);
+  const VF periods = hn::Round(hn::Mul(whole, hn::Set(f, 1 / period)));
+  return hn::NegMulAdd(periods, hn::Set(f, period), whole);
 }
 
-// whole + fraction reflected at zero: for a negative whole the next one down, seen backwards.
+// Reflection at zero: -(whole + fraction) = (-1 - whole) + (1 - fraction) for whole < 0.
 HWY_INLINE VF fold_whole(VF whole) {
   const F f;
   const auto negative = hn::Lt(whole, hn::Zero(f));
@@ -75,7 +75,7 @@ HWY_INLINE VF fold_fraction(VF whole, VF fraction) {
   return hn::IfThenElse(negative, hn::Sub(hn::Set(f, 1.0F), fraction), fraction);
 }
 
-// One pyramid level at coordinates of the finest one.
+// Bilinear sample of a pyramid level at coordinates of the finest level.
 HWY_INLINE VF sample_level(const RenderView& view, VI level, VF u, VF v) {
   const F f;
   const I i;
@@ -96,12 +96,11 @@ HWY_INLINE VF sample_level(const RenderView& view, VI level, VF u, VF v) {
                   hn::Sub(at_v, hn::ConvertTo(f, row)));
 }
 
-// Between two levels by the logarithm of the footprint (trilinear), so that far ground is
-// averaged instead of aliased.
+// Trilinear interpolation: level = log2(footprint). Distant ground is averaged instead of aliased.
 HWY_INLINE VF sample_pyramid(const RenderView& view, VF footprint, VF u, VF v) {
   const F f;
   const I i;
-  // the bits of a float are, but for scale and offset, its logarithm, linear between powers of two
+  // float bits ~ scaled and shifted log2, piecewise linear between powers of two
   const VF bits = hn::ConvertTo(f, hn::BitCast(i, hn::Max(footprint, hn::Set(f, 1.0F))));
   const VF logarithm = hn::MulAdd(bits, hn::Set(f, 0x1.0p-23F), hn::Set(f, -127.0F));
   const VF level =
@@ -138,7 +137,7 @@ HWY_INLINE VF sample_ground(const RenderView& view, VF x, VF y, VF depth, Mask b
   return sample_pyramid(view, footprint, hn::Add(column, a), hn::Add(row, b));
 }
 
-// Height z of the relief where the ray has gone down to `depth`.
+// Relief height z at the horizontal position of the ray at `depth`.
 HWY_INLINE VF relief_height(const RenderView& view, VF x, VF y, VF depth) {
   const F f;
   const I i;
@@ -188,16 +187,16 @@ HWY_INLINE VF paint_vehicle(const RenderView& view, VF x, VF y, VF depth, VF gre
 template <bool kRelief, bool kVehicle>
 void render(const RenderView& view, const RenderRow& row) {
   const F f;
-  const VF share = hn::Set(f, 1.0F / static_cast<float>(row.samples));
+  const VF weight = hn::Set(f, 1.0F / static_cast<float>(row.samples));
   const VF height = hn::Set(f, view.height_m);
   for (int column = 0; column < row.count; column += static_cast<int>(hn::Lanes(f))) {
     VF sum = hn::Zero(f);
     for (int sample = 0; sample < row.samples; ++sample) {
       const VF x = hn::LoadU(f, row.bearing_x[sample] + column);
-      const VF y = row.even_y ? hn::Set(f, *row.bearing_y[sample])
-                              : hn::LoadU(f, row.bearing_y[sample] + column);
+      const VF y = row.uniform_y ? hn::Set(f, *row.bearing_y[sample])
+                                 : hn::LoadU(f, row.bearing_y[sample] + column);
       const VF down = dot(view.down_per_bearing, x, y);
-      const auto below = hn::Gt(down, hn::Set(f, kHorizon));
+      const auto below = hn::Gt(down, hn::Set(f, kMinDown));
       const VF per_metre = hn::IfThenElseZero(below, hn::Div(hn::Set(f, 1.0F), down));
       VF depth = hn::Mul(height, per_metre);
       if constexpr (kRelief) {
@@ -205,7 +204,7 @@ void render(const RenderView& view, const RenderRow& row) {
         for (int step = 0; step < view.relief_steps; ++step) {
           z = relief_height(view, x, y, hn::Mul(hn::Sub(height, z), per_metre));
         }
-        z = hn::IfThenElseZero(below, z);  // above the horizon it means nothing, not even a number
+        z = hn::IfThenElseZero(below, z);  // undefined, possibly NaN, above the horizon
         hn::StoreU(z, f, row.ground_height_m[sample] + column);
         depth = hn::Mul(hn::Sub(height, z), per_metre);
       }
@@ -213,7 +212,7 @@ void render(const RenderView& view, const RenderRow& row) {
       if constexpr (kVehicle) grey = paint_vehicle(view, x, y, depth, grey);
       sum = hn::Add(sum, hn::IfThenElse(below, grey, hn::Set(f, view.sky_grey)));
     }
-    hn::StoreU(hn::Mul(sum, share), f, row.grey + column);
+    hn::StoreU(hn::Mul(sum, weight), f, row.grey + column);
   }
 }
 

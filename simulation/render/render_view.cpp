@@ -6,8 +6,8 @@
 namespace stillkite {
 namespace {
 
-// The function whose gradient over the ground is `gradient` and whose value under the camera is
-// `at_camera`: the ground point of bearing b at depth s is the camera's plus s R b.
+// Affine function with value `at_camera` at the camera and horizontal gradient `gradient`, at the
+// point camera + s R b.
 RayFunction ray_function(const Eigen::Matrix3d& world_from_camera, const Eigen::Vector2d& gradient,
                          double at_camera) {
   const Eigen::Vector3d row = world_from_camera.topRows<2>().transpose() * gradient;
@@ -54,7 +54,7 @@ RenderView make_view(const Scene& scene, const RigidTransform& world_from_camera
   };
   view.base_u = within_period(base.x(), ground.levels()[0].width);
   view.base_v = within_period(base.y(), ground.levels()[0].height);
-  // seen from h along depth s, a sample covers s^2 / (h f) metres in its longer direction
+  // footprint of a sample at depth s in its longer direction: s^2 / (h f) metres
   view.texels_per_square_depth = static_cast<float>(texels_per_metre / (height * sample_focal_px));
   view.pairs = ground.pairs();
   view.levels = std::min<int>(static_cast<int>(ground.levels().size()), RenderView::kMaxLevels);

@@ -7,8 +7,8 @@
 
 namespace stillkite {
 
-/// The inner loop's constants for one pose over one ground. The camera is above z = 0.
-/// `sample_focal_px`: focal length in samples, for the pyramid level.
+/// Constants of the inner loop for one pose over one ground. Precondition: camera above z = 0.
+/// `sample_focal_px`: focal length in samples, which selects the pyramid level.
 [[nodiscard]] RenderView make_view(const Scene& scene, const RigidTransform& world_from_camera,
                                    const std::optional<VehiclePlacement>& vehicle,
                                    double sample_focal_px);

@@ -12,13 +12,13 @@
 namespace stillkite {
 namespace {
 
-// An image is made in strips: what rows of a strip share on the ground then stays in the cache
-// even where they run across the texture's rows.
+// Rendering in vertical strips: the ground texels of neighbouring rows stay in the cache at any
+// yaw.
 constexpr int kStripWidth = 64;
 constexpr int kMaxSupersampling = 4;
 constexpr int kMaxSamples = kMaxSupersampling * kMaxSupersampling;
 
-// Position of a sample within its pixel, the pixel's centre being 0.
+// Offset of a sample from its pixel's centre, in pixels.
 double offset(int sample, int supersampling) {
   return (sample + 0.5) / supersampling - 0.5;
 }
@@ -34,7 +34,7 @@ Renderer::Renderer(const Camera& camera, int supersampling)
     throw InputError("camera: width, height and focal lengths must be > 0");
   }
   if (supersampling < 1 || supersampling > kMaxSupersampling) {
-    throw InputError("supersampling: must be 1 to 4, not " + std::to_string(supersampling));
+    throw InputError("supersampling: " + std::to_string(supersampling) + " is not in 1 to 4");
   }
   if (camera.distortion == DistortionModel::none) {
     tabulate_pinhole();
@@ -74,10 +74,10 @@ void Renderer::tabulate_lens() {
           const std::optional<Eigen::Vector2d> bearing =
               undistort(camera_, {column + right, row + down});
           const std::size_t at = (row * samples + sample) * width + column;
-          // what the lens cannot see is never below the horizon: comparisons with NaN fail
-          constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
-          x_[at] = bearing ? static_cast<float>(bearing->x()) : kNowhere;
-          y_[at] = bearing ? static_cast<float>(bearing->y()) : kNowhere;
+          // outside the field of view: NaN fails the horizon comparison, so the sample is sky
+          constexpr float kNoBearing = std::numeric_limits<float>::quiet_NaN();
+          x_[at] = bearing ? static_cast<float>(bearing->x()) : kNoBearing;
+          y_[at] = bearing ? static_cast<float>(bearing->y()) : kNoBearing;
         }
       }
     }
@@ -126,7 +126,7 @@ void Renderer::render_strip(const RenderView& frame_view, int first, int count,
       if (!pinhole) x_rows[sample] = &x_[at];
       y_rows[sample] = pinhole ? &y_[row * supersampling_ + sample / supersampling_] : &y_[at];
     }
-    // the first row starts from z = 0, the others from the row above
+    // initial height: z = 0 in the first row, the row above in the others
     constexpr int kFirstSteps = 20;
     constexpr int kFollowingSteps = 2;
     view.relief_steps = row == rows.start ? kFirstSteps : kFollowingSteps;
@@ -134,7 +134,7 @@ void Renderer::render_strip(const RenderView& frame_view, int first, int count,
                       .samples = samples,
                       .bearing_x = x_rows.data(),
                       .bearing_y = y_rows.data(),
-                      .even_y = pinhole,
+                      .uniform_y = pinhole,
                       .ground_height_m = height_rows.data(),
                       .grey = grey.data()});
     std::copy_n(grey.data(), std::min(count, camera_.width_px - first),

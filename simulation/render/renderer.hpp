@@ -15,35 +15,36 @@ namespace stillkite {
 
 struct RenderView;
 
-/// What there is to see: a ground, flat unless it has a relief, under an even sky.
+/// Textured ground, optionally with relief and a vehicle, under a uniform sky.
 struct Scene {
   std::shared_ptr<const GroundTexture> ground;
-  std::shared_ptr<const Relief> relief;          ///< null: flat
-  std::shared_ptr<const GroundTexture> vehicle;  ///< its paint, rear at the left; null: none
+  std::shared_ptr<const Relief> relief;          ///< null: flat ground
+  std::shared_ptr<const GroundTexture> vehicle;  ///< texture, rear at the left; null: no vehicle
   double sky_grey = 200;
 };
 
-/// A rectangle painted on the ground that follows it up and down.
+/// Rectangle on the ground surface.
 struct VehiclePlacement {
   Eigen::Vector2d centre_in_world_m;
-  double heading_rad = 0;  ///< of its length, from +x towards +y
+  double heading_rad = 0;  ///< azimuth of its length, from +x towards +y
   double length_m = 0;
   double width_m = 0;
 };
 
-/// One camera with the bearings of all its samples, computed once.
+/// Ground renderer of one camera; the bearings of all samples are computed once.
 class Renderer {
  public:
-  /// `supersampling`: samples a pixel and direction, 1 to 4. Throws InputError on a bad camera.
+  /// `supersampling`: samples per pixel and direction, 1 to 4. Throws InputError for an invalid
+  /// camera or supersampling.
   Renderer(const Camera& camera, int supersampling);
 
-  /// Noise-free image, CV_32FC1 in grey values, of a pinhole shutter at one instant: every pixel
-  /// the mean of its samples. A camera at or below the ground sees sky only. On a relief the ray
-  /// meets the ground by fixed-point steps, exact where slope x tan(angle from nadir) < 1.
+  /// Noise-free image of one instant, CV_32FC1 in grey values; a pixel is the mean of its samples.
+  /// At or below z = 0 the image is sky. Rays intersect a relief by fixed-point iteration, which
+  /// converges where slope x tan(angle from nadir) < 1.
   [[nodiscard]] cv::Mat render(const Scene& scene, const RigidTransform& world_from_camera,
                                const std::optional<VehiclePlacement>& vehicle = {}) const;
 
-  /// These rows of it alone, written into `image`.
+  /// Renders only `rows` into `image`.
   void render_rows(const Scene& scene, const RigidTransform& world_from_camera,
                    const std::optional<VehiclePlacement>& vehicle, const cv::Range& rows,
                    cv::Mat& image) const;
@@ -57,7 +58,7 @@ class Renderer {
   Camera camera_;
   int supersampling_;
   int padded_width_;
-  // Rows of padded_width_ bearings. A pinhole's x is the same in all rows, its y within one.
+  // Rows of padded_width_ bearings. Pinhole: x depends on the column only, y on the row only.
   std::vector<float> x_;
   std::vector<float> y_;
 };

@@ -43,14 +43,14 @@ constexpr Material kHull{{.grey = 190,
                           .mark_grey = 120},
                          0.006};
 
-// The shore runs from the right before the boat to far ahead on the left.
-constexpr double kShoreHeading_rad = 0.35;  // away from the sea
-constexpr double kShore_m = 14;             // of the sea wall from the origin
+// The shore runs from the near right to the far left of the boat.
+constexpr double kShoreHeading_rad = 0.35;  // inland direction
+constexpr double kShore_m = 14;             // distance of the sea wall from the origin
 constexpr double kShoreWidth_m = 160;
 constexpr double kShoreDepth_m = 120;
 constexpr double kShoreHeight_m = 0.9;
 
-// A point of the shore: inland from the sea wall, to the left along it, up from the beach.
+// Shore coordinates to world: inland from the sea wall, left along it, up from the beach.
 Eigen::Vector3d on_shore(double inland_m, double left_m, double up_m) {
   const Eigen::Vector3d inland(std::cos(kShoreHeading_rad), std::sin(kShoreHeading_rad), 0);
   const Eigen::Vector3d left(-inland.y(), inland.x(), 0);
@@ -85,10 +85,10 @@ void add_houses(SceneBuilder& builder, Random& random) {
 
 void add_rocks(SceneBuilder& builder, Random& random) {
   for (int rock = 0; rock < 22; ++rock) {
-    const double away_m = random.uniform(5, 13);
+    const double distance_m = random.uniform(5, 13);
     const double bearing_rad = random.uniform(-0.75, 0.75);
     const double size_m = random.uniform(0.4, 1.5);
-    builder.add_box({{away_m * std::cos(bearing_rad), away_m * std::sin(bearing_rad), 0},
+    builder.add_box({{distance_m * std::cos(bearing_rad), distance_m * std::sin(bearing_rad), 0},
                      {size_m, size_m * random.uniform(0.6, 1.2), size_m * random.uniform(0.3, 0.9)},
                      random.uniform(0, std::numbers::pi)},
                     kRock);
@@ -109,9 +109,9 @@ PatchScene make_coast(std::uint64_t seed) {
   constexpr double kCloudHeight_m = 500;
   Random random(seed, 2);
   SceneBuilder builder(seed);
-  builder.add_level({0, 0, 0}, 0, kSea_m, kSea_m, true, kWater);
-  builder.add_level({0, 0, kCloudHeight_m}, 0.4, 2 * kSea_m, 2 * kSea_m, false, kCloud);
-  // far hills behind the land, and an island at sea
+  builder.add_horizontal_patch({0, 0, 0}, 0, kSea_m, kSea_m, true, kWater);
+  builder.add_horizontal_patch({0, 0, kCloudHeight_m}, 0.4, 2 * kSea_m, 2 * kSea_m, false, kCloud);
+  // distant hills behind the land, and an island
   for (const double bearing_rad : {-0.7, -0.35, 0.05}) {
     builder.add_box({{random.uniform(260, 420) * std::cos(bearing_rad),
                       random.uniform(260, 420) * std::sin(bearing_rad), 0},

@@ -6,9 +6,9 @@
 
 namespace stillkite {
 
-/// A shore seen from a boat that lies at the origin, on the water z = 0, bow towards +x: a beach
-/// with houses ahead and to the right, rocks and another boat before it, to the left the sea up to
-/// its horizon, above it clouds. Nothing moves.
+/// Static coast scene for a boat at the origin, bow towards +x, water surface z = 0. Ahead and to
+/// the right: a shore with houses, and rocks and another boat in front of it. To the left: the sea
+/// up to the horizon. Above: clouds.
 [[nodiscard]] PatchScene make_coast(std::uint64_t seed);
 
 }  // namespace stillkite

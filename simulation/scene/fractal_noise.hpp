@@ -7,11 +7,12 @@
 
 namespace stillkite {
 
-/// CV_32FC1: random values in [-1, 1] on a lattice `cell` texels apart, joined by cubics.
-[[nodiscard]] cv::Mat lattice_noise(int width, int height, int cell, const Random& start);
+/// CV_32FC1: uniform random values in [-1, 1] on a lattice with a spacing of `cell` texels,
+/// interpolated by cubic convolution.
+[[nodiscard]] cv::Mat lattice_noise(int width, int height, int cell, const Random& generator);
 
-/// CV_32FC1 with an amplitude spectrum of about 1/f: every octave carries about the same variance,
-/// that of a value within [-1, 1].
+/// CV_32FC1 with an amplitude spectrum of about 1/f: the sum of octaves of `lattice_noise` with
+/// about equal variance.
 [[nodiscard]] cv::Mat fractal_noise(int width, int height, std::uint64_t seed);
 
 }  // namespace stillkite

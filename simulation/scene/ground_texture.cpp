@@ -10,7 +10,7 @@
 namespace stillkite {
 namespace {
 
-// Rows of pairs of one level; right of and below the last texel lies the mirror image.
+// Appends the pairs of one level; mirrored beyond the last column and row.
 void append_pairs(const cv::Mat& grey, int pitch, std::vector<std::uint8_t>& pairs) {
   const std::size_t first = pairs.size();
   pairs.resize(first + std::size_t{2} * pitch * grey.rows);
@@ -27,7 +27,7 @@ void append_pairs(const cv::Mat& grey, int pitch, std::vector<std::uint8_t>& pai
   }
 }
 
-// Rows of more than `width` pairs that are an odd number of cache lines apart.
+// Smallest pitch of more than `width` pairs that is an odd number of cache lines.
 int pitch_for(int width) {
   constexpr int kPairsPerLine = 32;
   return ((width + kPairsPerLine) / kPairsPerLine | 1) * kPairsPerLine;
@@ -43,11 +43,11 @@ double fold(double u, int size) {
 
 GroundTexture::GroundTexture(const cv::Mat& grey, double metres_per_texel)
     : metres_per_texel_(metres_per_texel) {
-  constexpr int kSmallestLevel = 16;
+  constexpr int kMinLevel_texels = 16;
   if (grey.type() != CV_8UC1 || grey.rows < 2 || grey.cols < 2 || grey.total() > 750000000u) {
-    throw InputError("ground: a grey 8-bit image of 2x2 to 7.5e8 pixels is needed, this one has " +
-                     std::to_string(grey.cols) + "x" + std::to_string(grey.rows) +
-                     "; convert or crop it");
+    throw InputError("ground: the image has " + std::to_string(grey.cols) + "x" +
+                     std::to_string(grey.rows) +
+                     " pixels; convert or crop it to 8-bit grey of 2x2 to 7.5e8 pixels");
   }
   if (!(metres_per_texel > 0)) {
     throw InputError("ground: metres per texel must be > 0, not " +
@@ -60,7 +60,7 @@ GroundTexture::GroundTexture(const cv::Mat& grey, double metres_per_texel)
     levels_.push_back(
         {static_cast<std::int64_t>(pairs_.size() / 2), level.cols, level.rows, pitch});
     append_pairs(level, pitch, pairs_);
-    if (std::min(level.cols, level.rows) < 2 * kSmallestLevel) break;
+    if (std::min(level.cols, level.rows) < 2 * kMinLevel_texels) break;
     cv::Mat half;
     const cv::Mat even = level(cv::Rect(0, 0, level.cols / 2 * 2, level.rows / 2 * 2));
     cv::resize(even, half, even.size() / 2, 0, 0, cv::INTER_AREA);

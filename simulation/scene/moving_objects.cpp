@@ -20,21 +20,21 @@ constexpr Material kClothes{{.grey = 88,
                              .mark_grey = 100},
                             0.006};
 
-// To `reach` and back through the middle to -reach, evenly, from 0 upwards.
-double to_and_fro(double way, double reach) {
-  const double folded = std::abs(std::remainder(way - reach, 4 * reach));
-  return reach - folded;
+// Position after a path length: rises from 0 to +amplitude, falls to -amplitude, returns to 0.
+double triangle_wave(double path, double amplitude) {
+  const double folded = std::abs(std::remainder(path - amplitude, 4 * amplitude));
+  return amplitude - folded;
 }
 
 }  // namespace
 
 std::vector<MovingObject> make_moving_objects(const MovingObjectConfig& config,
                                               std::uint64_t seed) {
-  constexpr double kBetween_m = 0.2;
+  constexpr double kSpacing_m = 0.2;
   Random random(seed);
   SceneBuilder builder(random.bits());
   for (int i = 0; i < config.count; ++i) {
-    builder.add_vertical_patch({config.distance_m + kBetween_m * i, 0, 0}, std::numbers::pi,
+    builder.add_vertical_patch({config.distance_m + kSpacing_m * i, 0, 0}, std::numbers::pi,
                                config.width_m, config.height_m, kClothes);
   }
   std::vector<MovingObject> moving_objects;
@@ -49,9 +49,9 @@ PatchScene with_moving_objects(PatchScene scene, const MovingObjectConfig& confi
                                const std::vector<MovingObject>& moving_objects, double t_s) {
   scene.patches.reserve(scene.patches.size() + moving_objects.size());
   for (const MovingObject& moving_object : moving_objects) {
-    Patch patch = moving_object.at_middle;
+    Patch patch = moving_object.at_centre;
     patch.corner_in_world_m.y() +=
-        to_and_fro(moving_object.way_before_m + config.speed_m_s * t_s, config.reach_m);
+        triangle_wave(moving_object.initial_path_m + config.speed_m_s * t_s, config.reach_m);
     scene.patches.push_back(patch);
   }
   return scene;

@@ -13,7 +13,7 @@
 namespace stillkite {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 struct Field {
   float x, y;
@@ -21,7 +21,7 @@ struct Field {
   float furrow_x, furrow_y, furrow_depth;  // wave vector in rad a texel
 };
 
-// Voronoi cells with bent borders, each with its own grey and furrows, a hedge between.
+// Voronoi cells with distorted borders; grey value and furrows per cell, hedges between cells.
 void plough_fields(cv::Mat& ground, std::uint64_t seed) {
   constexpr int kFieldSize = 190;
   constexpr float kHedgeWidth = 3.0F;
@@ -32,8 +32,8 @@ void plough_fields(cv::Mat& ground, std::uint64_t seed) {
   for (int k = 0; k < rows * columns; ++k) {
     const int column = k % columns - 1;
     const int row = k / columns - 1;
-    const double direction = random.uniform(0, kTurn);
-    const double wave = kTurn / random.uniform(5, 18);
+    const double direction = random.uniform(0, kTwoPi);
+    const double wave = kTwoPi / random.uniform(5, 18);
     const double depth = random.uniform() < 0.6 ? random.uniform(2, 12) : 0.0;
     const double x = (column + random.uniform()) * kFieldSize;
     const double y = (row + random.uniform()) * kFieldSize;
@@ -57,14 +57,14 @@ void plough_fields(cv::Mat& ground, std::uint64_t seed) {
       float second = 1e18F;
       for (int k = 0; k < 9; ++k) {
         const Field& field = fields[(cell_y + k / 3 - 1) * columns + cell_x + k % 3 - 1];
-        const float distance =
-            (x - field.x) * (x - field.x) + (y - field.y) * (y - field.y);  // squared
-        if (distance < first) {
+        const float squared_distance =
+            (x - field.x) * (x - field.x) + (y - field.y) * (y - field.y);
+        if (squared_distance < first) {
           second = first;
-          first = distance;
+          first = squared_distance;
           nearest = &field;
         } else {
-          second = std::min(second, distance);
+          second = std::min(second, squared_distance);
         }
       }
       const float phase = nearest->furrow_x * x + nearest->furrow_y * y;
@@ -84,7 +84,7 @@ void lay_paths(cv::Mat& ground, std::uint64_t seed) {
   for (int path = 0; path < paths; ++path) {
     double x = random.uniform(0, ground.cols);
     double y = random.uniform(0, ground.rows);
-    double heading = random.uniform(0, kTurn);
+    double heading = random.uniform(0, kTwoPi);
     std::vector<cv::Point> points;
     constexpr int kShift = 4;  // fractional bits of a drawn point
     for (int step = 0; step < 150; ++step) {
@@ -105,7 +105,7 @@ void lay_paths(cv::Mat& ground, std::uint64_t seed) {
   }
 }
 
-// A disc with an edge one texel wide, mixed over the ground.
+// Disc with an antialiased edge of one texel, blended over the ground.
 void paint_disc(cv::Mat& ground, double x, double y, double radius, float grey, float opacity) {
   const int left = std::max(0, static_cast<int>(x - radius - 1));
   const int right = std::min(ground.cols - 1, static_cast<int>(x + radius + 2));
@@ -128,7 +128,7 @@ void scatter(cv::Mat& ground, std::uint64_t seed) {
     const double y = random.uniform(0, ground.rows);
     const double radius = 1.5 / (1.0 - 0.9 * random.uniform());  // many small, few large
     const float grey = static_cast<float>(random.uniform(-70, -10));
-    paint_disc(ground, x + 0.5 * radius, y + 0.4 * radius, radius, -90, 0.8F);  // its shadow
+    paint_disc(ground, x + 0.5 * radius, y + 0.4 * radius, radius, -90, 0.8F);  // shadow
     paint_disc(ground, x, y, radius, grey, 0.95F);
     paint_disc(ground, x - 0.3 * radius, y - 0.3 * radius, 0.4 * radius, grey + 35, 0.7F);
   }

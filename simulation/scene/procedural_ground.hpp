@@ -5,9 +5,9 @@
 
 namespace stillkite {
 
-/// An image of open country from above, CV_8UC1: fields with furrows and hedges, paths, bushes
-/// with shadows and stones over a 1/f spectrum, so that there are edges and detail at every scale,
-/// as in a photograph. The same for the same seed; sizes in texels, so it fits any height.
+/// Aerial image of open country, CV_8UC1, deterministic in the seed: fields with furrows and
+/// hedges, paths, bushes with shadows and stones over 1/f noise. Edges and detail exist at every
+/// scale, as in a photograph. Sizes are in texels and independent of the flight height.
 [[nodiscard]] cv::Mat procedural_ground(int width, int height, std::uint64_t seed);
 
 }  // namespace stillkite

@@ -21,8 +21,8 @@ std::array<double, 4> spline_weights(double t) {
           t * t * t / 6};
 }
 
-// Periodic spline through the rows of `in` (kKnots values apart by `step`), kSide values out.
-void spread(const double* in, int step, double* out, int out_step) {
+// Evaluates the periodic spline of kKnots knots (stride `step`) at kSide points.
+void evaluate_spline(const double* in, int step, double* out, int out_step) {
   for (int i = 0; i < kSide; ++i) {
     const auto weights = spline_weights(static_cast<double>(i % kCellsPerKnot) / kCellsPerKnot);
     double sum = 0;
@@ -45,9 +45,9 @@ Relief::Relief(const ReliefConfig& config, std::uint64_t seed)
   std::vector<double> knots(std::size_t{kKnots} * kKnots);
   for (double& knot : knots) knot = random.normal();
   std::vector<double> rows(std::size_t{kKnots} * kSide);
-  for (int r = 0; r < kKnots; ++r) spread(&knots[r * kKnots], 1, &rows[r * kSide], 1);
+  for (int r = 0; r < kKnots; ++r) evaluate_spline(&knots[r * kKnots], 1, &rows[r * kSide], 1);
   std::vector<double> grid(std::size_t{kSide} * kSide);
-  for (int c = 0; c < kSide; ++c) spread(&rows[c], kSide, &grid[c], kSide);
+  for (int c = 0; c < kSide; ++c) evaluate_spline(&rows[c], kSide, &grid[c], kSide);
 
   double peak = 0;
   for (const double z : grid) peak = std::max(peak, std::abs(z));

@@ -13,15 +13,16 @@ struct ReliefConfig {
 
   static void fields(auto& self, auto&& field) {
     field("amplitude_m", self.amplitude_m, Range{0, 1000},
-          "height of the highest hill over z = 0, metres; 0 is a flat ground");
+          "maximum of |z| of the relief; 0: flat ground");
     field("correlation_length_m", self.correlation_length_m, kPositive,
-          "distance over which the ground's height changes, metres");
+          "correlation length of the ground height");
   }
 };
 
-/// A smooth height map z(x, y): random heights on a lattice of one correlation length, joined by
-/// uniform cubic B-splines, scaled so that max |z| is the amplitude, repeating every 64 lengths.
-/// Kept on a grid, 16 cells a length, bilinear between: that is the world's truth.
+/// Height map z(x, y): Gaussian random knots on a lattice with a spacing of one correlation length,
+/// interpolated by uniform cubic B-splines. Scaled to max |z| = amplitude; period 64 correlation
+/// lengths. Sampled on a grid of 16 cells per correlation length with bilinear interpolation; this
+/// defines the ground truth.
 class Relief {
  public:
   static constexpr int kCellsPerSide = 1024;
@@ -32,7 +33,7 @@ class Relief {
   [[nodiscard]] double amplitude_m() const { return amplitude_m_; }
   [[nodiscard]] double cell_m() const { return cell_m_; }
   [[nodiscard]] double metres_per_count() const { return metres_per_count_; }
-  /// A word holds the 16-bit heights of (x, y) and, in its upper half, (x + 1, y).
+  /// Word of (x, y): 16-bit heights of (x, y) in the lower and of (x + 1, y) in the upper half.
   [[nodiscard]] const std::uint32_t* words() const { return words_.data(); }
 
  private:

@@ -68,15 +68,15 @@ constexpr Material kPoster{
 
 void add_shell(SceneBuilder& builder) {
   const double half = std::numbers::pi / 2;
-  builder.add_level({0, 0, 0}, 0, kLength_m, kWidth_m, true, kFloor);
-  builder.add_level({0, 0, kHeight_m}, 0, kLength_m, kWidth_m, false, kCeiling);
+  builder.add_horizontal_patch({0, 0, 0}, 0, kLength_m, kWidth_m, true, kFloor);
+  builder.add_horizontal_patch({0, 0, kHeight_m}, 0, kLength_m, kWidth_m, false, kCeiling);
   builder.add_vertical_patch({kLength_m / 2, 0, 0}, 2 * half, kWidth_m, kHeight_m, kWall);
   builder.add_vertical_patch({-kLength_m / 2, 0, 0}, 0, kWidth_m, kHeight_m, kWall);
   builder.add_vertical_patch({0, kWidth_m / 2, 0}, -half, kLength_m, kHeight_m, kWall);
   builder.add_vertical_patch({0, -kWidth_m / 2, 0}, half, kLength_m, kHeight_m, kWall);
 }
 
-// Sheets a centimetre before the walls: three on each long one, two on each short one.
+// Posters 1 cm in front of the walls: three on each long wall, two on each short wall.
 void add_posters(SceneBuilder& builder, Random& random) {
   const double half = std::numbers::pi / 2;
   const double gap_m = 0.01;
@@ -96,7 +96,7 @@ void add_posters(SceneBuilder& builder, Random& random) {
   }
 }
 
-// A slab on two cheeks, with a carton on it.
+// Table top on two side panels, with a carton on it.
 void add_table(SceneBuilder& builder, const Eigen::Vector2d& at_m, double heading_rad,
                Random& random) {
   const Eigen::Vector3d middle(at_m.x(), at_m.y(), 0);
@@ -121,7 +121,7 @@ PatchScene make_room(std::uint64_t seed) {
   const auto about = [&](double value, double spread) {
     return value + random.uniform(-spread, spread);
   };
-  // ahead, in the camera's image
+  // in the initial field of view
   builder.add_box({{about(5.6, 0.1), about(3.6, 0.2), 0}, {0.5, 1.6, 2.1}, 0}, kShelf);
   builder.add_box({{about(5.5, 0.1), about(-3.4, 0.2), 0}, {0.7, 1.2, 1.7}, 0}, kCabinet);
   builder.add_box({{about(4.6, 0.1), about(-1.9, 0.1), 0}, {0.6, 0.6, 1.1}, about(0.3, 0.2)},

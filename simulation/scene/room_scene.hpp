@@ -6,9 +6,8 @@
 
 namespace stillkite {
 
-/// A laboratory of 12 x 10 m and 4 m height around the world's origin, which lies on its floor:
-/// along its walls shelves, cabinets, tables, cartons and posters at 3 to 6 m, with free floor
-/// between. The same for the same seed.
+/// Laboratory of 12 x 10 x 4 m, deterministic in the seed; the world origin is the centre of its
+/// floor. Furniture and posters along the walls are at distances of 3 to 6 m.
 [[nodiscard]] PatchScene make_room(std::uint64_t seed);
 
 }  // namespace stillkite

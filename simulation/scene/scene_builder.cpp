@@ -17,27 +17,28 @@ Eigen::Vector3d towards(double heading_rad) {
 
 std::shared_ptr<const GroundTexture> SceneBuilder::paint(double width_m, double height_m,
                                                          const Material& material) {
-  constexpr int kLargest = 2048;
+  constexpr int kMaxTexels = 2048;
   const auto texels = [&](double length_m) {
-    return std::clamp(static_cast<int>(std::ceil(length_m / material.texel_m)) + 2, 16, kLargest);
+    return std::clamp(static_cast<int>(std::ceil(length_m / material.texel_m)) + 2, 16, kMaxTexels);
   };
   const std::uint64_t seed = Random(seed_, ++painted_).bits();
   return std::make_shared<GroundTexture>(
       surface_image(material.style, texels(width_m), texels(height_m), seed), material.texel_m);
 }
 
-void SceneBuilder::add_vertical_patch(const Eigen::Vector3d& foot, double faces_rad, double width_m,
-                                      double height_m, const Material& material) {
-  // who looks at it has its right where z x facing points
-  const Eigen::Vector3d right = towards(faces_rad + std::numbers::pi / 2);
+void SceneBuilder::add_vertical_patch(const Eigen::Vector3d& foot, double facing_rad,
+                                      double width_m, double height_m, const Material& material) {
+  // right in the image = z x facing
+  const Eigen::Vector3d right = towards(facing_rad + std::numbers::pi / 2);
   add({.corner_in_world_m = foot + height_m * Eigen::Vector3d::UnitZ() - 0.5 * width_m * right,
        .right_in_world_m = width_m * right,
        .down_in_world_m = -height_m * Eigen::Vector3d::UnitZ(),
        .texture = paint(width_m, height_m, material)});
 }
 
-void SceneBuilder::add_level(const Eigen::Vector3d& middle, double heading_rad, double length_m,
-                             double width_m, bool faces_up, const Material& material) {
+void SceneBuilder::add_horizontal_patch(const Eigen::Vector3d& middle, double heading_rad,
+                                        double length_m, double width_m, bool faces_up,
+                                        const Material& material) {
   const Eigen::Vector3d right = length_m * towards(heading_rad);
   const double quarter = std::numbers::pi / 2;
   const Eigen::Vector3d down = width_m * towards(heading_rad + (faces_up ? -quarter : quarter));
@@ -52,16 +53,16 @@ void SceneBuilder::add_box(const Box& box, const Material& material) {
   const double width_m = box.size_m.y();
   const double height_m = box.size_m.z();
   for (int side = 0; side < 4; ++side) {
-    const double faces_rad = box.heading_rad + side * std::numbers::pi / 2;
+    const double facing_rad = box.heading_rad + side * std::numbers::pi / 2;
     const bool end = side % 2 == 0;
     const Eigen::Vector3d foot =
-        box.foot_in_world_m + 0.5 * (end ? length_m : width_m) * towards(faces_rad);
-    add_vertical_patch(foot, faces_rad, end ? width_m : length_m, height_m, material);
+        box.foot_in_world_m + 0.5 * (end ? length_m : width_m) * towards(facing_rad);
+    add_vertical_patch(foot, facing_rad, end ? width_m : length_m, height_m, material);
   }
   const Eigen::Vector3d top = box.foot_in_world_m + height_m * Eigen::Vector3d::UnitZ();
-  add_level(top, box.heading_rad, length_m, width_m, true, material);
+  add_horizontal_patch(top, box.heading_rad, length_m, width_m, true, material);
   if (box.foot_in_world_m.z() > 0) {
-    add_level(box.foot_in_world_m, box.heading_rad, length_m, width_m, false, material);
+    add_horizontal_patch(box.foot_in_world_m, box.heading_rad, length_m, width_m, false, material);
   }
 }
 

@@ -8,11 +8,11 @@
 
 namespace stillkite {
 
-/// A box that stands upright; its length lies along x, turned by the heading.
+/// Box with a vertical axis.
 struct Box {
-  Eigen::Vector3d foot_in_world_m;  ///< middle of its underside
+  Eigen::Vector3d foot_in_world_m;  ///< centre of the bottom face
   Eigen::Vector3d size_m;           ///< length, width, height
-  double heading_rad = 0;
+  double heading_rad = 0;           ///< azimuth of the length, from +x towards +y
 };
 
 struct Material {
@@ -20,22 +20,23 @@ struct Material {
   double texel_m = 0.004;
 };
 
-/// Puts a scene together. Every face gets an image of its own, no two alike.
+/// Builds a scene; every face has a different texture.
 class SceneBuilder {
  public:
   explicit SceneBuilder(std::uint64_t seed) : seed_(seed) {}
 
   void add(const Patch& patch) { scene_.patches.push_back(patch); }
-  /// Its four sides and its top, and its underside where it stands above the ground.
+  /// Four sides and the top; also the bottom if the box is above z = 0.
   void add_box(const Box& box, const Material& material);
-  /// An upright rectangle that faces the heading, from +x towards +y.
-  void add_vertical_patch(const Eigen::Vector3d& foot_in_world_m, double faces_rad, double width_m,
+  /// Vertical rectangle. `foot`: centre of the lower edge; `facing_rad`: azimuth of its front.
+  void add_vertical_patch(const Eigen::Vector3d& foot_in_world_m, double facing_rad, double width_m,
                           double height_m, const Material& material);
-  /// A level rectangle along x, turned by the heading, seen from above, or else from below.
-  void add_level(const Eigen::Vector3d& middle_in_world_m, double heading_rad, double length_m,
-                 double width_m, bool faces_up, const Material& material);
+  /// Horizontal rectangle, visible from above (`faces_up`) or from below.
+  void add_horizontal_patch(const Eigen::Vector3d& middle_in_world_m, double heading_rad,
+                            double length_m, double width_m, bool faces_up,
+                            const Material& material);
 
-  /// An image for a rectangle of that size; a very large one repeats, mirrored.
+  /// Texture for a rectangle; above 2048 texels it repeats, mirrored.
   [[nodiscard]] std::shared_ptr<const GroundTexture> paint(double width_m, double height_m,
                                                            const Material& material);
   [[nodiscard]] const PatchScene& scene() const { return scene_; }

@@ -12,14 +12,14 @@
 namespace stillkite {
 namespace {
 
-constexpr int kFractionBits = 4;  // of a drawn point
+constexpr int kFractionBits = 4;  // of a drawn point's coordinates
 
 cv::Point fine_point(double x, double y) {
   return {static_cast<int>(std::lround(x * (1 << kFractionBits))),
           static_cast<int>(std::lround(y * (1 << kFractionBits)))};
 }
 
-// Every other row of tiles is shifted by half a tile, as bricks and planks are.
+// Every other row of tiles is shifted by half a tile (running bond).
 cv::Mat tiled(const SurfaceStyle& style, int width, int height, std::uint64_t seed) {
   cv::Mat offset(height, width, CV_32FC1, cv::Scalar(0));
   Random random(seed, 10);
@@ -36,9 +36,9 @@ cv::Mat tiled(const SurfaceStyle& style, int width, int height, std::uint64_t se
   return offset;
 }
 
-// A filled rectangle at any angle, with a bar or two of another grey on it.
+// Filled rectangle at a random angle with up to three bars of another grey.
 void draw_label(cv::Mat& image, double grey, double size, Random& random) {
-  const double turn =
+  const double angle_rad =
       random.uniform() < 0.6 ? 0.05 * random.normal() : random.uniform(0, std::numbers::pi);
   const double half_length = 0.5 * size * random.uniform(0.7, 2);
   const double half_width = 0.5 * size * random.uniform(0.3, 1);
@@ -46,8 +46,8 @@ void draw_label(cv::Mat& image, double grey, double size, Random& random) {
   const double y = random.uniform(0, image.rows);
   const auto bar = [&](double from, double to, double share, double bar_grey) {
     const auto corner = [&](double along, double across) {
-      return fine_point(x + along * std::cos(turn) - across * std::sin(turn),
-                        y + along * std::sin(turn) + across * std::cos(turn));
+      return fine_point(x + along * std::cos(angle_rad) - across * std::sin(angle_rad),
+                        y + along * std::sin(angle_rad) + across * std::cos(angle_rad));
     };
     const std::array<cv::Point, 4> corners{corner(-share * half_length, from * half_width),
                                            corner(share * half_length, from * half_width),

@@ -13,8 +13,8 @@ using nlohmann::json;
 
 constexpr int kComparedFrames = 200;
 
-// Position errors of `mean_m` with noise of 1 cm, attitude errors that drift away.
-ComparedRun made_up_run(const std::string& name, double mean_m, double drift_rad) {
+// Position errors of `mean_m` with 1 cm noise; linearly drifting attitude errors.
+ComparedRun synthetic_run(const std::string& name, double mean_m, double drift_rad) {
   ComparedRun run{.name = name, .overrides = {}, .estimator = {}, .summary = {}, .errors = {}};
   std::mt19937_64 random(static_cast<unsigned char>(name[0]));
   std::normal_distribution<double> noise_m(mean_m, 0.01);
@@ -32,7 +32,7 @@ ComparedRun made_up_run(const std::string& name, double mean_m, double drift_rad
                   {{"position_rmse_m", mean_m},
                    {"velocity_rmse_m_s", {0, 3, 4}},
                    {"reference", {{"direction_median_deg", 3}, {"directions", 149}}}}}};
-  run.own_s = 0.8;
+  run.estimator_s = 0.8;
   return run;
 }
 
@@ -40,9 +40,10 @@ json comparison_of(const std::vector<ComparedRun>& runs) {
   return comparison_json(runs, {.frames_read = kComparedFrames, .wall_s = 2, .decoding_s = 0.5});
 }
 
-TEST(ComparisonJson, has_the_agreed_names) {
-  const json made = comparison_of({made_up_run("flow", 0.1, 0), made_up_run("own", 0.2, 0)});
-  const json& entry = made["estimators"][1];
+TEST(ComparisonJson, HasDocumentedKeys) {
+  const json comparison =
+      comparison_of({synthetic_run("flow", 0.1, 0), synthetic_run("own", 0.2, 0)});
+  const json& entry = comparison["estimators"][1];
   EXPECT_EQ(entry["name"], "own");
   EXPECT_EQ(entry["policy"], "flow");
   EXPECT_EQ(entry["availability_ratio"], 0.75);
@@ -50,51 +51,51 @@ TEST(ComparisonJson, has_the_agreed_names) {
   EXPECT_EQ(entry["evaluation"]["position_rmse_m"], 0.2);
   EXPECT_NEAR(entry["mean_error"]["position_m"].get<double>(), 0.2, 3e-3);
   EXPECT_TRUE(entry["mean_error"]["velocity_m_s"].is_null());
-  EXPECT_EQ(made["timing"]["estimators_s"]["flow"], 0.8);
-  EXPECT_EQ(made["timing"]["threads"], 1);
+  EXPECT_EQ(comparison["timing"]["estimators_s"]["flow"], 0.8);
+  EXPECT_EQ(comparison["timing"]["threads"], 1);
 }
 
-TEST(ComparisonJson, tells_what_is_significant_of_every_pair) {
-  const json made = comparison_of(
-      {made_up_run("a", 0.1, 0), made_up_run("b", 0.2, 1e-3), made_up_run("c", 0.1, 0)});
+TEST(ComparisonJson, ReportsVerdictForEveryPair) {
+  const json comparison = comparison_of(
+      {synthetic_run("a", 0.1, 0), synthetic_run("b", 0.2, 1e-3), synthetic_run("c", 0.1, 0)});
   const auto verdict = [&](const char* of, const char* against, const char* figure) {
-    for (const json& d : made["differences"]) {
+    for (const json& d : comparison["differences"]) {
       if (d["of"] == of && d["against"] == against && d["figure"] == figure) return d["verdict"];
     }
     return json();
   };
-  EXPECT_EQ(made["differences"].size(), 6U) << "three pairs, position and attitude";
+  EXPECT_EQ(comparison["differences"].size(), 6U) << "three pairs x position and attitude";
   EXPECT_EQ(verdict("b", "a", "position_m"), "worse");
   EXPECT_EQ(verdict("c", "b", "position_m"), "better");
   EXPECT_EQ(verdict("c", "a", "position_m"), "not_significant");
   EXPECT_EQ(verdict("b", "a", "attitude_rad"), "drifting");
 }
 
-TEST(ComparisonTable, shows_figures_marks_and_times) {
-  const std::string table =
-      comparison_table(comparison_of({made_up_run("flow", 0.1, 0), made_up_run("own", 0.2, 1e-3)}));
+TEST(ComparisonTable, ShowsFiguresMarksAndTimes) {
+  const std::string table = comparison_table(
+      comparison_of({synthetic_run("flow", 0.1, 0), synthetic_run("own", 0.2, 1e-3)}));
   EXPECT_NE(table.find("position RMSE, m                             0.1                  0.2\n"),
             std::string::npos)
       << table;
   EXPECT_NE(table.find("5                    5\n"), std::string::npos) << "|(0, 3, 4)| is 5";
-  EXPECT_NE(table.find("frames with one          149                  149\n"), std::string::npos)
-      << "medians of different frames are not to be compared";
+  EXPECT_NE(table.find("directions               149                  149\n"), std::string::npos)
+      << "medians over different frames are not comparable";
   EXPECT_NE(table.find(" worse\n"), std::string::npos);
   EXPECT_NE(table.find(" drifting\n"), std::string::npos);
   EXPECT_NE(table.find("frames lost"), std::string::npos);
   EXPECT_EQ(table.find("frames frozen"), std::string::npos) << "did not occur";
-  EXPECT_NE(table.find("one thread an estimator"), std::string::npos);
+  EXPECT_NE(table.find("one thread per estimator"), std::string::npos);
 }
 
-TEST(ComparisonTable, of_a_flight_without_truth_names_no_marks) {
-  std::vector<ComparedRun> runs{made_up_run("flow", 0.1, 0), made_up_run("own", 0.2, 0)};
+TEST(ComparisonTable, HasNoMarksWithoutTruth) {
+  std::vector<ComparedRun> runs{synthetic_run("flow", 0.1, 0), synthetic_run("own", 0.2, 0)};
   for (ComparedRun& run : runs) {
     run.errors.clear();
     run.summary["evaluation"] = nullptr;
   }
   const std::string table = comparison_table(comparison_of(runs));
   EXPECT_EQ(table.find("RMSE"), std::string::npos);
-  EXPECT_EQ(table.find("significantly"), std::string::npos);
+  EXPECT_EQ(table.find("significant"), std::string::npos);
   EXPECT_NE(table.find("availability, %"), std::string::npos);
 }
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A gyroscope that tells degrees a second: the run says so. The same in radians is not doubted.
+# A gyroscope log in deg/s is reported; the log in rad/s is not.
 # usage: gyro_in_degrees_test.sh STILLKITE SIMULATION OUT
 stillkite=$1 simulation=$2 out=$3
 rm -rf "$out"
@@ -13,9 +13,9 @@ for log in "$imu" "$out/degrees.csv"; do
   "$stillkite" run "$out/flight/run.yaml" --set estimator.policy=fused --set imu.path="$log" \
     --out "$out/run" 2> "$out/messages" > /dev/null || exit 1
   cat "$out/messages"
-  grep -q "taken for deg/s" "$out/messages"
-  told=$?
-  [ "$log" = "$imu" ] && [ $told -eq 0 ] && { echo "radians are doubted"; exit 1; }
-  [ "$log" != "$imu" ] && [ $told -ne 0 ] && { echo "degrees are not"; exit 1; }
+  grep -q "deg/s instead of rad/s" "$out/messages"
+  reported=$?
+  [ "$log" = "$imu" ] && [ $reported -eq 0 ] && { echo "rad/s is reported"; exit 1; }
+  [ "$log" != "$imu" ] && [ $reported -ne 0 ] && { echo "deg/s is not reported"; exit 1; }
 done
 exit 0

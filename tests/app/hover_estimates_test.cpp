@@ -10,7 +10,7 @@
 namespace stillkite {
 namespace {
 
-TEST(HoverEstimates, FiguresOfKnownErrors) {
+TEST(HoverEstimates, MatchesClosedFormFigures) {
   TrialRecord record;
   record.estimate_errors.resize(20);
   for (std::size_t i = 0; i < 20; ++i) {
@@ -30,7 +30,7 @@ TEST(HoverEstimates, FiguresOfKnownErrors) {
   EXPECT_NE(hover_estimate_line(found).find("available 75.0 %"), std::string::npos);
 }
 
-TEST(HoverEstimates, WithoutMetresOrImagesThereIsNoFigure) {
+TEST(HoverEstimates, IsNullWithoutMetricScaleOrImages) {
   TrialRecord reference;
   reference.estimate_errors.resize(2);
   reference.estimate_errors[1].verdict = Verdict::gated;

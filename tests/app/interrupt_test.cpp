@@ -16,8 +16,8 @@
 namespace stillkite {
 namespace {
 
-// A pipe that nobody writes to; in the end somebody does, so that a failure is no endless wait.
-TEST(Interrupt, EndsAnOpenThatWaits) {
+// Pipe without a writer; a late writer prevents an endless wait on failure.
+TEST(Interrupt, InterruptsBlockedOpen) {
   using std::chrono::milliseconds;
   const TemporaryFolder folder;
   const std::filesystem::path pipe = folder.path() / "pipe";

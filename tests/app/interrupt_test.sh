@@ -1,6 +1,6 @@
 #!/bin/sh
-# Ctrl-C in the middle of a run: status 130, what was estimated is written, nothing half is left.
-# The source is a data set's images over and over, so that no machine is done before the signal.
+# Ctrl-C during a run: exit status 130, results so far written, no partial files. The source repeats
+# a data set's images, so that no machine finishes before the signal.
 # usage: interrupt_test.sh STILLKITE run|compare EUROC_DATA_SET OUT
 stillkite=$1 subcommand=$2 dataset=$3 out=$4
 rm -rf "$out" "$out.source"
@@ -13,8 +13,8 @@ grep -v '^#' "$dataset/mav0/cam0/data.csv" | tr -d '\r' | awk -F, '
   > "$cam0/data.csv"
 echo "{source: {path: .}, initial: {height_m: 20}, shadow: {enabled: true}}" > "$out.source/run.yaml"
 case $subcommand in
-  run) results=$out said=$out/summary.json ;;
-  compare) results=$out/reference said=$out/comparison.json ;;
+  run) results=$out top_summary=$out/summary.json ;;
+  compare) results=$out/reference top_summary=$out/comparison.json ;;
 esac
 "$stillkite" "$subcommand" "$out.source/run.yaml" --out "$out" > /dev/null 2> "$out.messages" &
 pid=$!
@@ -29,13 +29,13 @@ wait $pid
 status=$?
 cat "$out.messages"
 [ $status -eq 130 ] || { echo "exit status $status, expected 130"; exit 1; }
-grep -q "stopped after" "$out.messages" || { echo "it does not say so"; exit 1; }
-for summary in "$said" "$results/summary.json"; do
-  grep -q '"interrupted": true' "$summary" || { echo "$summary does not say so"; exit 1; }
+grep -q "stopped after" "$out.messages" || { echo "missing message"; exit 1; }
+for summary in "$top_summary" "$results/summary.json"; do
+  grep -q '"interrupted": true' "$summary" || { echo "$summary: interrupted is not true"; exit 1; }
 done
 for name in estimates.csv commands.csv trajectory.tum report.html; do
   [ -s "$results/$name" ] || { echo "$name is missing"; exit 1; }
 done
 [ -s "$out/report.html" ] || { echo "the report is missing"; exit 1; }
-ls -R "$out" | grep part && { echo "half a file is left"; exit 1; }
+ls -R "$out" | grep part && { echo "a partial file is left"; exit 1; }
 exit 0

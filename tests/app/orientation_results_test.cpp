@@ -10,7 +10,7 @@
 namespace stillkite {
 namespace {
 
-// Steps of `angles_deg` at 10, 20, ... s; each decays with 1 s.
+// Yaw steps of `angles_deg` at 10, 20, ... s; exponential decay, time constant 1 s.
 TrialRecord decaying(const std::vector<double>& angles_deg) {
   TrialRecord record;
   for (std::size_t i = 0; i < angles_deg.size(); ++i) {
@@ -31,7 +31,7 @@ TrialRecord decaying(const std::vector<double>& angles_deg) {
   return record;
 }
 
-TEST(OrientationResults, EachKickHasItsTime) {
+TEST(OrientationResults, ReportsSettlingTimePerKick) {
   TrialRecord off = decaying({20});
   off.trial.stabilized = false;
   const std::vector<TrialRecord> records{decaying({15, -20, 2}), off, decaying({10})};
@@ -48,10 +48,10 @@ TEST(OrientationResults, EachKickHasItsTime) {
   EXPECT_NEAR(found["table"]["on"]["all"]["max_deg"], 20, 0.01);
   EXPECT_NEAR(found["table"]["off"]["x"]["max_deg"], 20, 1e-9);
   EXPECT_TRUE(found["table"]["on"]["z"]["max_deg"].is_null());
-  EXPECT_NE(orientation_table(found).find("4 of them in 5 s"), std::string::npos);
+  EXPECT_NE(orientation_table(found).find("4 within 5 s"), std::string::npos);
 }
 
-TEST(OrientationResults, WhatNeverComesBackIsTheWorst) {
+TEST(OrientationResults, TreatsUnsettledKickAsWorst) {
   TrialRecord record = decaying({10, 20});
   for (TrialSample& sample : record.samples) {
     if (sample.t_s >= 20) sample.yaw_rad = 0.2;
@@ -62,7 +62,7 @@ TEST(OrientationResults, WhatNeverComesBackIsTheWorst) {
   EXPECT_EQ(found["settling"]["within_5_s"], 1);
 }
 
-TEST(OrientationResults, WithoutKicksThereIsNothing) {
+TEST(OrientationResults, IsNullWithoutKicks) {
   EXPECT_TRUE(orientation_summary(std::vector{decaying({})}).is_null());
   EXPECT_EQ(orientation_table(nullptr), "");
 }

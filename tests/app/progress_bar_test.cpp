@@ -10,11 +10,11 @@ TEST(ProgressBar, ShowsShareRateAndTimeLeft) {
             "simulate [#######.......................]  25 %  30/120  2.0/s  0:45 left");
 }
 
-TEST(ProgressBar, ShowsWhatItCanOfAnUnknownNumber) {
+TEST(ProgressBar, ShowsCountAndRateWithoutTotal) {
   EXPECT_EQ(progress_line("run", 50, std::nullopt, 4), "run 50  12.5/s");
 }
 
-TEST(ProgressBar, NeitherDividesByZeroNorOverflows) {
+TEST(ProgressBar, HandlesZeroTimeAndExcessSteps) {
   EXPECT_EQ(progress_line("run", 0, 10, 0),
             "run [..............................]   0 %  0/10  0.0/s  ? left");
   EXPECT_EQ(progress_line("run", 12, 10, 1),

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What is left in the folder, by the paths of its files.
+// Relative paths of all files in the folder.
 std::set<std::string> files_of(const TemporaryFolder& folder) {
   std::set<std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
@@ -18,11 +18,11 @@ std::set<std::string> files_of(const TemporaryFolder& folder) {
   return files;
 }
 
-TEST(EarlierResults, AreRemovedAndNothingElse) {
+TEST(EarlierResults, RemovesOnlyResults) {
   const TemporaryFolder folder;
   folder.write("comparison.json",
                R"({"estimators": [{"name": "flow", "frames": {}}, {"name": "mine", "frames": {}},
-                   {"name": "../beside", "frames": {}}, {"name": "trials"}, 7]})");
+                   {"name": "../sibling", "frames": {}}, {"name": "trials"}, 7]})");
   for (const char* name : {"report.html", "summary.json.17.part", "notes.txt", "flow/estimates.csv",
                            "flow/commands.csv", "mine/trajectory.tum", "mine/notes.txt",
                            "mine/report.html", "trials/estimates.csv", "other/summary.json"}) {
@@ -35,7 +35,7 @@ TEST(EarlierResults, AreRemovedAndNothingElse) {
   EXPECT_FALSE(fs::exists(folder.path() / "flow"));
 }
 
-TEST(EarlierResults, OfABrokenComparisonAreItsOwnFile) {
+TEST(EarlierResults, RemovesOnlyTheFileOfAnInvalidComparison) {
   const TemporaryFolder folder;
   folder.write("comparison.json", "{");
   folder.write("flow/estimates.csv", "x");

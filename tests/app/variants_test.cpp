@@ -20,7 +20,7 @@ std::string problem_with(const std::string& list) {
 
 using Overrides = std::vector<std::string>;
 
-TEST(Variants, of_nothing_are_all_policies) {
+TEST(Variants, DefaultToAllPolicies) {
   const auto variants = parse_variants(std::nullopt);
   ASSERT_EQ(variants.size(), EnumNames<Policy>::value.size());
   EXPECT_EQ(variants[0].name, "flow");
@@ -28,7 +28,7 @@ TEST(Variants, of_nothing_are_all_policies) {
   EXPECT_EQ(variants[1].name, "reference");
 }
 
-TEST(Variants, have_keys_of_their_own) {
+TEST(Variants, ParseKeysPerName) {
   const auto variants = parse_variants("flow, own:a=1,b.c={x: [1,2], y: 3} ,reference:d=2");
   ASSERT_EQ(variants.size(), 3U);
   EXPECT_EQ(variants[1].name, "own");
@@ -36,19 +36,19 @@ TEST(Variants, have_keys_of_their_own) {
   EXPECT_EQ(variants[2].overrides, (Overrides{"estimator.policy=reference", "d=2"}));
 }
 
-TEST(Variants, that_are_wrong_are_named_with_the_remedy) {
-  EXPECT_NE(problem_with("flow,refrence").find("did you mean 'reference'?); known are flow, "),
+TEST(Variants, RejectInvalidNamesWithRemedy) {
+  EXPECT_NE(problem_with("flow,refrence").find("did you mean 'reference'?); use flow, "),
             std::string::npos);
-  EXPECT_NE(problem_with("flow,flow").find("given twice"), std::string::npos);
-  EXPECT_NE(problem_with("flow,a:x=1,a:x=2").find("'a' is given twice"), std::string::npos);
-  EXPECT_NE(problem_with("").find("cannot be a name"), std::string::npos);
-  EXPECT_NE(problem_with("flow,").find("cannot be a name"), std::string::npos);
-  EXPECT_NE(problem_with("../up:x=1").find("cannot be a name"), std::string::npos);
-  EXPECT_NE(problem_with("x=1,flow").find("before any name"), std::string::npos);
+  EXPECT_NE(problem_with("flow,flow").find("duplicate name"), std::string::npos);
+  EXPECT_NE(problem_with("flow,a:x=1,a:x=2").find("'a' is a duplicate name"), std::string::npos);
+  EXPECT_NE(problem_with("").find("not a valid name"), std::string::npos);
+  EXPECT_NE(problem_with("flow,").find("not a valid name"), std::string::npos);
+  EXPECT_NE(problem_with("../up:x=1").find("not a valid name"), std::string::npos);
+  EXPECT_NE(problem_with("x=1,flow").find("precedes any name"), std::string::npos);
   EXPECT_NE(problem_with("own:").find("no key=value"), std::string::npos);
 }
 
-TEST(Variants, lay_their_keys_over_those_of_all) {
+TEST(Variants, OverrideCommonKeys) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "flight.yaml";
   std::ofstream(file) << "{source: {path: flight.mp4}, initial: {height_m: 20}}\n";

@@ -12,7 +12,7 @@
 
 namespace stillkite {
 
-/// The attribute data-NAME of the page's root; nothing where the script never set it.
+/// Attribute data-NAME of the root element; nullopt if not set.
 inline std::optional<std::string> root_data(const std::string& dom, const std::string& name) {
   std::smatch found;
   const std::regex pattern("<html[^>]* data-" + name + "=\"([^\"]*)\"");
@@ -26,12 +26,12 @@ inline int count(const std::string& text, const std::string& part) {
   return n;
 }
 
-/// Shows pages in an installed browser; skipped without one.
+/// Renders pages in an installed browser; skipped without one.
 class BrowserTest : public testing::Test {
  protected:
   void SetUp() override {
     browser_ = find_browser();
-    if (!browser_) GTEST_SKIP() << "no chromium here";
+    if (!browser_) GTEST_SKIP() << "no chromium installed";
   }
 
   std::string show(const std::string& html) {

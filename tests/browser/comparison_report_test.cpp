@@ -8,7 +8,7 @@
 namespace stillkite {
 namespace {
 
-TEST(ComparisonReport, stays_small_and_loads_nothing) {
+TEST(ComparisonReport, IsSmallAndSelfContained) {
   SyntheticComparison made;
   compare_synthetic_flights(made, 20000, true);
   const std::string html = comparison_report_html(made.content("flight", true), made.comparison);
@@ -19,20 +19,20 @@ TEST(ComparisonReport, stays_small_and_loads_nothing) {
 
 using ComparisonInBrowser = BrowserTest;
 
-// Position 3, speed, three errors, time; dygraphs lays two canvases over each other.
-TEST_F(ComparisonInBrowser, draws_every_chart_of_two_estimators) {
+// 3 positions, speed, 3 errors, time; dygraphs uses two canvases per chart.
+TEST_F(ComparisonInBrowser, DrawsEveryChartOfTwoEstimators) {
   SyntheticComparison made;
   compare_synthetic_flights(made, 600, true);
   const std::string dom =
       show(comparison_report_html(made.content("flight.yaml", true), made.comparison));
   EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
   EXPECT_EQ(root_data(dom, "ready"), "8");
-  EXPECT_EQ(count(dom, "<canvas"), 8 * 2 + 1 + 2) << "a path, and verdicts of both";
+  EXPECT_EQ(count(dom, "<canvas"), 8 * 2 + 1 + 2) << "path, and verdicts of both";
   EXPECT_EQ(count(dom, "class=\"badge worse\""), 1) << "one significant difference";
   EXPECT_NE(dom.find("0.101 … 0.225"), std::string::npos);
 }
 
-TEST_F(ComparisonInBrowser, draws_no_lengths_of_an_estimator_without_scale) {
+TEST_F(ComparisonInBrowser, OmitsLengthsOfEstimatorWithoutScale) {
   SyntheticComparison made;
   compare_synthetic_flights(made, 300, false);
   std::string html = comparison_report_html(made.content("flight.yaml", true), made.comparison);
@@ -48,7 +48,7 @@ TEST_F(ComparisonInBrowser, draws_no_lengths_of_an_estimator_without_scale) {
   EXPECT_NE(dom.find("reference has no scale"), std::string::npos);
 }
 
-TEST_F(ComparisonInBrowser, does_without_truth_and_without_anything) {
+TEST_F(ComparisonInBrowser, RendersWithoutTruthAndWithoutData) {
   SyntheticComparison made;
   compare_synthetic_flights(made, 300, true);
   made.comparison["differences"] = nlohmann::json::array();
@@ -61,7 +61,7 @@ TEST_F(ComparisonInBrowser, does_without_truth_and_without_anything) {
   EXPECT_EQ(root_data(dom, "ready"), "0");
 }
 
-TEST_F(ComparisonInBrowser, survives_hostile_text_numbers_that_are_none_and_unequal_lengths) {
+TEST_F(ComparisonInBrowser, HandlesHostileTextNonFiniteNumbersAndUnequalLengths) {
   const std::string hostile = "</script><script>document.title='owned'</script>{{data}}'\"&";
   SyntheticComparison made;
   compare_synthetic_flights(made, 300, true);

@@ -6,10 +6,10 @@
 
 namespace stillkite {
 
-/// Name of an installed Chromium; nothing without one.
+/// Command of an installed Chromium; nullopt without one.
 [[nodiscard]] std::optional<std::string> find_browser();
 
-/// The page as it stands once its scripts have run, serialised. `scratch` is the browser's own.
+/// Serialized DOM of the page after its scripts have run. `scratch`: folder for the browser.
 [[nodiscard]] std::string rendered(const std::string& browser, const std::filesystem::path& page,
                                    const std::filesystem::path& scratch);
 

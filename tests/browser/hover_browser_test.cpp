@@ -15,7 +15,7 @@ std::string page_of(const SyntheticTrials& trials) {
   return hover_report_html(trials.content("trials_paper.yaml"), synthetic_hover_summary(trials));
 }
 
-/// The page with a visitor's script; what it writes into `root` can be read by root_data().
+/// Page with an additional script, which writes results to `root` for root_data().
 std::string visited(std::string html, const std::string& script) {
   html.insert(html.rfind("</body>"),
               "<script>{ const root = document.documentElement.dataset;"
@@ -24,19 +24,19 @@ std::string visited(std::string html, const std::string& script) {
   return html;
 }
 
-TEST_F(HoverReportInBrowser, draws_the_papers_table_and_figures) {
+TEST_F(HoverReportInBrowser, DrawsTableAndFiguresOfTheHoldPaper) {
   const SyntheticTrials trials = synthetic_trials();
   const std::string dom = show(page_of(trials));
   EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
-  // figure 5: two each; figure 4: one each; figure 3: on and off each; two views and their strip
+  // canvases: Fig. 5, two each; Fig. 4, one each; Fig. 3, on and off each; replay views and strip
   EXPECT_EQ(root_data(dom, "ready"), std::to_string(3 * 2 + 3 + 3 * 2 + 3));
   EXPECT_EQ(count(dom, "class=\"papers\"> / "), 16);
-  EXPECT_NE(dom.find("the paper: 34 cm"), std::string::npos);
+  EXPECT_NE(dom.find("hold paper: 34 cm"), std::string::npos);
   EXPECT_NE(dom.find("12 simulated trials: 9 with stabilization, 3 without"), std::string::npos);
   EXPECT_NE(dom.find("policy: reference"), std::string::npos);
 }
 
-TEST_F(HoverReportInBrowser, does_without_what_was_not_flown) {
+TEST_F(HoverReportInBrowser, RendersASubsetOfTheAxes) {
   SyntheticTrials trials = synthetic_trials();
   trials.trials = {trials.trials[5], trials.trials[7]};
   nlohmann::json summary = synthetic_hover_summary(trials);
@@ -47,7 +47,7 @@ TEST_F(HoverReportInBrowser, does_without_what_was_not_flown) {
   EXPECT_EQ(root_data(dom, "ready"), std::to_string(2 + 1 + 2 + 3));
 }
 
-TEST_F(HoverReportInBrowser, survives_nothing_at_all) {
+TEST_F(HoverReportInBrowser, RendersWithoutData) {
   for (const auto& summary : {nlohmann::json(), nlohmann::json::object()}) {
     const std::string dom = show(hover_report_html({}, summary));
     EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
@@ -55,7 +55,7 @@ TEST_F(HoverReportInBrowser, survives_nothing_at_all) {
   }
 }
 
-TEST_F(HoverReportInBrowser, survives_hostile_text_and_numbers_that_are_none) {
+TEST_F(HoverReportInBrowser, HandlesHostileTextAndNonFiniteNumbers) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::string hostile = "</pre></script><script>document.title='owned'</script>{{data}}'\"&";
   SyntheticTrials trials = synthetic_trials();
@@ -85,8 +85,8 @@ TEST_F(HoverReportInBrowser, survives_hostile_text_and_numbers_that_are_none) {
   EXPECT_NE(dom.find("{{data}}"), std::string::npos);
 }
 
-// The visitor scrubs to 5.5 s, then plays half a second on a clock of his own at double speed.
-TEST_F(HoverReportInBrowser, replays_a_trial) {
+// Seeks to 5.5 s, then plays 0.5 s of simulated clock at double speed.
+TEST_F(HoverReportInBrowser, ReplaysATrial) {
   const SyntheticTrials trials = synthetic_trials();
   const std::string dom = show(visited(page_of(trials), R"(
     let next = null;
@@ -119,7 +119,7 @@ TEST_F(HoverReportInBrowser, replays_a_trial) {
   EXPECT_NE(scrubbed.find("time 5.5 s"), std::string::npos) << scrubbed;
   const std::size_t at = scrubbed.find("d = dx ");
   ASSERT_NE(at, std::string::npos) << scrubbed;
-  EXPECT_NEAR(std::stod(scrubbed.substr(at + 7)), d_cm, 1) << "the page thins the samples";
+  EXPECT_NEAR(std::stod(scrubbed.substr(at + 7)), d_cm, 1) << "the page decimates the samples";
   EXPECT_EQ(root_data(dom, "decided"), "command: position and yaw are controlled");
   EXPECT_EQ(root_data(dom, "played"), "6.5");
   EXPECT_EQ(root_data(dom, "another"), "true");
@@ -128,7 +128,7 @@ TEST_F(HoverReportInBrowser, replays_a_trial) {
   EXPECT_EQ(root_data(dom, "off"), "0 true no stabilization: the drone follows its station");
 }
 
-TEST_F(HoverReportInBrowser, sorts_the_trials_and_ends_a_zoom) {
+TEST_F(HoverReportInBrowser, SortsTrialsAndResetsZoom) {
   const SyntheticTrials trials = synthetic_trials();
   const std::string dom = show(visited(page_of(trials), R"(
     const head = [...document.querySelectorAll('#trials th')].find(th => th.textContent === 'mean');

@@ -27,7 +27,7 @@ std::size_t page_size(const SyntheticTrials& trials) {
   return hover_report_html(trials.content("trials"), synthetic_hover_summary(trials)).size();
 }
 
-TEST(DisplacementHistogram, counts_the_moved_axis_in_cells_about_zero) {
+TEST(DisplacementHistogram, CountsMovedAxisInCellsCentredAtZero) {
   const std::vector<HoverReportTrial> trials{
       trial_at(0, true, {{0, 9, 9}, {0.024, 9, 9}, {-0.024, 9, 9}, {0.026, 9, 9}, {-0.12, 9, 9}}),
       trial_at(0, true, {{0.01, 0, 0}}), trial_at(0, false, {{1, 0, 0}, {kNaN, 0, 0}}),
@@ -38,7 +38,7 @@ TEST(DisplacementHistogram, counts_the_moved_axis_in_cells_about_zero) {
   EXPECT_EQ(counts.off, (std::map<int, int>{{20, 1}}));
 }
 
-TEST(DisplacementHistogram, coarsens_until_sixty_cells_reach_the_farthest) {
+TEST(DisplacementHistogram, EnlargesCellsSoThatSixtyCoverTheMaximum) {
   const auto size_m = [](double d_m) {
     const std::vector<HoverReportTrial> trials{trial_at(1, false, {{0, -d_m, 0}})};
     return displacement_histogram(trials, 1).size_m;
@@ -51,8 +51,8 @@ TEST(DisplacementHistogram, coarsens_until_sixty_cells_reach_the_farthest) {
   EXPECT_EQ(size_m(std::numeric_limits<double>::infinity()), 0.05);
 }
 
-// The paper's figure 3: x-y for the sets along x and y, z-y for the one along z.
-TEST(DisplacementHeat, lies_in_the_upright_plane_of_the_set) {
+// Hold paper, Fig. 3: x-y for the sets along x and y, z-y for the set along z.
+TEST(DisplacementHeat, UsesVerticalPlaneOfTheMovedAxis) {
   const Eigen::Vector3d d_m(0.1, 0.2, 0.3);
   for (const int axis : {0, 1, 2}) {
     const std::vector<HoverReportTrial> trials{trial_at(axis, true, {d_m, d_m})};
@@ -63,10 +63,10 @@ TEST(DisplacementHeat, lies_in_the_upright_plane_of_the_set) {
   }
 }
 
-TEST(HoverReport, stays_below_3_MB) {
+TEST(HoverReport, IsSmallerThan3MB) {
   SyntheticTrials trials = synthetic_trials();
   EXPECT_LT(page_size(trials), 3'000'000U);
-  // five times as many, three times as long, every one with large images
+  // 5 times as many trials, 3 times as long, each with large images
   for (HoverReportTrial& trial : trials.trials) {
     const std::vector<HoverReportSample> samples = trial.samples;
     for (int i = 0; i < 2; ++i) {
@@ -81,7 +81,7 @@ TEST(HoverReport, stays_below_3_MB) {
   EXPECT_LT(page_size(trials), 3'000'000U);
 }
 
-TEST(HoverReport, turns_the_world_into_the_papers_axes) {
+TEST(HoverReport, ConvertsWorldToPaperAxes) {
   std::vector<HoverReportTrial> trials{trial_at(0, true, {{0, 0, 0}})};
   trials[0].samples[0].drone_in_world_m = {1, 2, 3};
   const std::string html = hover_report_html({.title = "", .trials = trials}, {});
@@ -93,7 +93,7 @@ TEST(HoverReport, turns_the_world_into_the_papers_axes) {
   EXPECT_NE(html.find(column("z", -2)), std::string::npos);
 }
 
-TEST(HoverReport, loads_nothing_from_anywhere) {
+TEST(HoverReport, IsSelfContained) {
   const SyntheticTrials trials = synthetic_trials();
   const std::string html =
       hover_report_html(trials.content("trials"), synthetic_hover_summary(trials));
@@ -102,7 +102,7 @@ TEST(HoverReport, loads_nothing_from_anywhere) {
   }
 }
 
-TEST(HoverReport, refuses_an_axis_that_is_none) {
+TEST(HoverReport, RejectsInvalidAxis) {
   const std::vector<HoverReportTrial> trials{trial_at(0, true, {}), {.moved_axis = 3}};
   EXPECT_THROW(static_cast<void>(hover_report_html({.title = "", .trials = trials}, {})),
                std::out_of_range);

@@ -10,19 +10,19 @@ namespace {
 
 using ReportInBrowser = BrowserTest;
 
-TEST_F(ReportInBrowser, draws_every_chart_of_a_flight_with_truth) {
+TEST_F(ReportInBrowser, DrawsEveryChartOfFlightWithTruth) {
   const SyntheticFlight flight = synthetic_flight(3750);
   const std::string dom =
       show(report_html(flight.content("flight.mp4", true), synthetic_summary(flight)));
   EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
   EXPECT_EQ(root_data(dom, "ready"), "24");
-  // dygraphs lays two canvases over each other; the path and the verdicts have one each.
+  // two canvases per dygraphs chart, one each for path and verdicts
   EXPECT_EQ(count(dom, "<canvas"), 24 * 2 + 2);
-  EXPECT_NE(dom.find("0.0324"), std::string::npos) << "the drift is a headline";
+  EXPECT_NE(dom.find("0.0324"), std::string::npos) << "drift is a key figure";
   EXPECT_NE(dom.find("mode: recommended"), std::string::npos);
 }
 
-TEST_F(ReportInBrowser, does_without_truth) {
+TEST_F(ReportInBrowser, RendersWithoutTruth) {
   const SyntheticFlight flight = synthetic_flight(200);
   nlohmann::json summary = synthetic_summary(flight);
   summary.erase("evaluation");
@@ -31,13 +31,13 @@ TEST_F(ReportInBrowser, does_without_truth) {
   EXPECT_EQ(root_data(dom, "ready"), "15");
 }
 
-TEST_F(ReportInBrowser, survives_nothing_at_all) {
+TEST_F(ReportInBrowser, RendersWithoutData) {
   const std::string dom = show(report_html({}, nlohmann::json::object()));
   EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
   EXPECT_EQ(root_data(dom, "ready"), "0");
 }
 
-TEST_F(ReportInBrowser, survives_hostile_text_and_numbers_that_are_none) {
+TEST_F(ReportInBrowser, HandlesHostileTextAndNonFiniteNumbers) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::string hostile = "</pre></script><script>document.title='owned'</script>{{data}}'\"&";
   SyntheticFlight flight = synthetic_flight(300);
@@ -57,8 +57,8 @@ TEST_F(ReportInBrowser, survives_hostile_text_and_numbers_that_are_none) {
   EXPECT_NE(dom.find("{{data}}"), std::string::npos);
 }
 
-// A visitor's script drags the pointer across one chart and looks at the others.
-TEST_F(ReportInBrowser, zooms_all_charts_together) {
+// Drags the pointer across one chart and compares the time range of the others.
+TEST_F(ReportInBrowser, ZoomsAllChartsTogether) {
   const SyntheticFlight flight = synthetic_flight(500);
   std::string html = report_html(flight.content("flight.mp4", true), synthetic_summary(flight));
   const std::string visitor = R"(<script>
@@ -81,7 +81,7 @@ TEST_F(ReportInBrowser, zooms_all_charts_together) {
   html.insert(html.rfind("</body>"), visitor);
   const std::string dom = show(html);
   EXPECT_EQ(root_data(dom, "errors"), std::nullopt);
-  EXPECT_EQ(root_data(dom, "ranges"), "1") << "one range for all charts in sight";
+  EXPECT_EQ(root_data(dom, "ranges"), "1") << "one range for all visible charts";
   EXPECT_EQ(root_data(dom, "button"), "true");
   EXPECT_EQ(root_data(dom, "whole"), "0,150");
   const std::string range = root_data(dom, "range").value_or("0,0");

@@ -1,4 +1,4 @@
-// Writes reports of a made-up flight and of made-up trials, to look at them: report_sample FOLDER
+// Writes sample reports of a synthetic flight and synthetic trials. Usage: report_sample FOLDER
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -15,9 +15,9 @@ void write_samples(const std::filesystem::path& folder) {
   write_report(folder / "with_truth.html", flight.content("flight.mp4", true), summary);
   summary.erase("evaluation");
   write_report(folder / "without_truth.html", flight.content("flight.mp4", false), summary);
-  const auto marathon = stillkite::synthetic_flight(90000);
-  write_report(folder / "long.html", marathon.content("marathon.mp4", true),
-               synthetic_summary(marathon));
+  const auto long_flight = stillkite::synthetic_flight(90000);
+  write_report(folder / "long.html", long_flight.content("long_flight.mp4", true),
+               synthetic_summary(long_flight));
   const auto trials = stillkite::synthetic_trials();
   write_hover_report(folder / "hover.html", trials.content("trials_paper.yaml"),
                      synthetic_hover_summary(trials));

@@ -19,8 +19,7 @@ std::string encoded(std::string_view text) {
   return base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-// RFC 4648, section 10.
-TEST(Base64, knows_the_vectors_of_the_rfc) {
+TEST(Base64, MatchesTestVectorsOfRfc4648) {
   EXPECT_EQ(encoded(""), "");
   EXPECT_EQ(encoded("f"), "Zg==");
   EXPECT_EQ(encoded("fo"), "Zm8=");
@@ -28,17 +27,17 @@ TEST(Base64, knows_the_vectors_of_the_rfc) {
   EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
 }
 
-TEST(Base64, writes_floats_little_endian) {
+TEST(Base64, EncodesFloatsLittleEndian) {
   const std::vector<float> one{1.0F};  // 0x3f800000
   EXPECT_EQ(base64(one), "AACAPw==");
 }
 
-TEST(KeepExtremes, leaves_short_series_alone) {
+TEST(KeepExtremes, ReturnsShortSeriesUnchanged) {
   const std::vector<float> values{3, 1, 2};
   EXPECT_EQ(keep_extremes(values, 4), values);
 }
 
-TEST(KeepExtremes, keeps_a_single_spike_and_the_order) {
+TEST(KeepExtremes, KeepsSpikesInOrder) {
   std::vector<float> values(1000, 0.0F);
   values[501] = 9;
   values[505] = -4;
@@ -48,7 +47,7 @@ TEST(KeepExtremes, keeps_a_single_spike_and_the_order) {
   EXPECT_EQ(kept[11], -4);
 }
 
-TEST(KeepExtremes, passes_over_what_is_no_number) {
+TEST(KeepExtremes, IgnoresNaN) {
   const std::vector<float> values{kNaN, kNaN, kNaN, 5, kNaN, 4, 1, 2};
   const std::vector<float> kept = keep_extremes(values, 4);
   ASSERT_EQ(kept.size(), 4U);
@@ -59,7 +58,7 @@ TEST(KeepExtremes, passes_over_what_is_no_number) {
   EXPECT_TRUE(std::isnan(keep_extremes(std::vector<float>(9, kNaN), 2)[0]));
 }
 
-TEST(KeepEveryNth, keeps_both_ends) {
+TEST(KeepEveryNth, KeepsFirstAndLast) {
   std::vector<float> values(101);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
   EXPECT_EQ(keep_every_nth(values, 5), (std::vector<float>{0, 25, 50, 75, 100}));
@@ -71,7 +70,7 @@ NavigationEstimate at(double t_s, double yaw_rad) {
   return estimate;
 }
 
-TEST(ReportSeries, unwraps_angles_along_the_flight) {
+TEST(ReportSeries, UnwrapsAngles) {
   std::vector<NavigationEstimate> estimates;
   std::vector<std::optional<RigidTransform>> truth;
   for (int i = 0; i <= 40; ++i) {
@@ -84,12 +83,13 @@ TEST(ReportSeries, unwraps_angles_along_the_flight) {
   EXPECT_NEAR(series.at("attitude_error_z_deg").back(), 0.01 * 180 / M_PI, 1e-4);
 }
 
-TEST(ReportSeries, differences_the_truth_and_leaves_gaps) {
+TEST(ReportSeries, DifferentiatesTruthPositionsAndKeepsGaps) {
   std::vector<NavigationEstimate> estimates{at(0, 0), at(0.5, 0), at(1, 0)};
   const std::vector<std::optional<RigidTransform>> truth{
       RigidTransform{}, RigidTransform{.translation = {2, 0, 1}}, std::nullopt};
   const ReportSeries in_heights = report_series({.estimates = estimates, .truth = truth});
-  EXPECT_TRUE(std::isnan(in_heights.at("position_error_x_m")[1])) << "no metres beside heights";
+  EXPECT_TRUE(std::isnan(in_heights.at("position_error_x_m")[1]))
+      << "no metric error of lengths in heights";
   EXPECT_FALSE(std::isnan(in_heights.at("attitude_error_x_deg")[1]));
   for (NavigationEstimate& estimate : estimates) estimate.scale = ScaleSource::initial_height;
   const ReportSeries series = report_series({.estimates = estimates, .truth = truth});
@@ -101,8 +101,8 @@ TEST(ReportSeries, differences_the_truth_and_leaves_gaps) {
   EXPECT_TRUE(std::isnan(series.at("position_error_x_m")[2]));
 }
 
-// A velocity known to 0.1 m/s along the camera's z, which looks along the world's -z.
-TEST(ReportSeries, turns_the_velocity_s_covariance_into_the_world) {
+// Velocity sigma 0.1 m/s along the camera's z axis, the world's -z.
+TEST(ReportSeries, RotatesVelocityCovarianceToTheWorld) {
   std::vector<NavigationEstimate> estimates{at(0, 0.7)};
   estimates[0].twist_covariance.diagonal() << 4, 4, 0.01, 0, 0, 0;
   const ReportSeries series = report_series(
@@ -111,27 +111,27 @@ TEST(ReportSeries, turns_the_velocity_s_covariance_into_the_world) {
   EXPECT_NEAR(series.at("velocity_sigma_z_m_s")[0], 0.1, 1e-6);
 }
 
-TEST(VerdictStretches, join_equal_neighbours) {
+TEST(VerdictIntervals, MergeEqualNeighbours) {
   std::vector<NavigationEstimate> estimates{at(10, 0), at(11, 0), at(12, 0), at(13, 0)};
   estimates[2].verdict = Verdict::frozen;
-  const auto stretches = verdict_stretches(estimates);
-  ASSERT_EQ(stretches.size(), 3U);
-  EXPECT_EQ(stretches[0].end_s, 2);
-  EXPECT_EQ(stretches[1].verdict, Verdict::frozen);
-  EXPECT_EQ(stretches[1].start_s, 2);
-  EXPECT_EQ(stretches[1].end_s, 3);
+  const auto intervals = verdict_intervals(estimates);
+  ASSERT_EQ(intervals.size(), 3U);
+  EXPECT_EQ(intervals[0].end_s, 2);
+  EXPECT_EQ(intervals[1].verdict, Verdict::frozen);
+  EXPECT_EQ(intervals[1].start_s, 2);
+  EXPECT_EQ(intervals[1].end_s, 3);
 }
 
-TEST(Report, stays_small) {
+TEST(Report, IsSmall) {
   const SyntheticFlight flight = synthetic_flight(3750);
   EXPECT_LT(report_html(flight.content("flight", true), synthetic_summary(flight)).size(),
             1'500'000U);
-  const SyntheticFlight marathon = synthetic_flight(20000);
-  EXPECT_LT(report_html(marathon.content("long", true), synthetic_summary(marathon)).size(),
+  const SyntheticFlight long_flight = synthetic_flight(20000);
+  EXPECT_LT(report_html(long_flight.content("long", true), synthetic_summary(long_flight)).size(),
             1'500'000U);
 }
 
-TEST(Report, loads_nothing_from_anywhere) {
+TEST(Report, IsSelfContained) {
   const SyntheticFlight flight = synthetic_flight(10);
   const std::string html = report_html(flight.content("flight", true), synthetic_summary(flight));
   EXPECT_EQ(html.find("<script src"), std::string::npos);

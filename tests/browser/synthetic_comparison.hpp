@@ -8,8 +8,7 @@
 
 namespace stillkite {
 
-/// Two made-up estimators over the same flight; the second has twice the error and no scale if so
-/// asked.
+/// Estimates of two synthetic estimators on one flight; the second has twice the position error.
 // NOLINTNEXTLINE(bugprone-exception-escape): nlohmann::json moves without throwing
 struct SyntheticComparison {
   SyntheticFlight first;

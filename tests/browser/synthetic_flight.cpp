@@ -59,7 +59,7 @@ SyntheticFlight synthetic_flight(int frames) {
     estimate.pose_covariance.diagonal().head<3>().setConstant(0.02 * s + 1e-6);
     estimate.pose_covariance.diagonal().tail<3>().setConstant(1e-7 * s + 1e-8);
     estimate.scale = ScaleSource::initial_height;
-    estimate.quality = {.windows = static_cast<int>(6800 + 60 * normal(random)),
+    estimate.quality = {.flow_vectors = static_cast<int>(6800 + 60 * normal(random)),
                         .inlier_ratio = ok ? 0.97 - 0.01 * std::abs(normal(random)) : 0.2,
                         .mean_flow_px = 1.2 + 0.3 * std::sin(t_s),
                         .residual_px = 0.06 + 0.004 * normal(random),

@@ -9,8 +9,8 @@
 
 namespace stillkite {
 
-/// A made-up run in the shape of the flow paper's flight: 1 km forward, 100 m aside, 50 m down,
-/// with noise, drift and a few bad frames, and its truth.
+/// Synthetic run similar to the flow paper's flight: 1 km forward, 100 m sideways, 50 m descent;
+/// with noise, drift, a few rejected frames, and truth.
 struct SyntheticFlight {
   std::vector<NavigationEstimate> estimates;
   std::vector<std::optional<RigidTransform>> truth;
@@ -21,7 +21,7 @@ struct SyntheticFlight {
 
 [[nodiscard]] SyntheticFlight synthetic_flight(int frames);
 
-/// A summary.json as a run of that flight with truth would write it.
+/// summary.json of the flight, with truth.
 [[nodiscard]] nlohmann::json synthetic_summary(const SyntheticFlight& flight);
 
 }  // namespace stillkite

@@ -19,19 +19,19 @@ double reach_m(int axis) {
   return axis == 1 ? 0.87 : 2.0;
 }
 
-/// Out, back, as far the other way, and back.
-double station_way_m(int axis, double t_s) {
+/// Triangle wave: 0, +reach, -reach, 0.
+double station_offset_m(int axis, double t_s) {
   const double s = kSpeed_m_s * t_s / reach_m(axis);
   if (s < 1) return reach_m(axis) * s;
   return reach_m(axis) * (s < 3 ? 2 - s : s - 4);
 }
 
-/// The paper's x, y, z are our world's x, z, -y.
+/// Paper axes x, y, z = world axes x, z, -y.
 Eigen::Vector3d in_world(const Eigen::Vector3d& paper) {
   return {paper.x(), -paper.z(), paper.y()};
 }
 
-/// A wall with a window, shifted as the drone moves.
+/// JPEG of a wall with a window, shifted by the displacement and yaw.
 std::vector<std::uint8_t> image(const Eigen::Vector3d& displacement_m, double yaw_rad) {
   cv::Mat image(96, 160, CV_8UC3);
   const int dx = static_cast<int>(std::lround(30 * displacement_m.x() + 100 * yaw_rad));
@@ -68,19 +68,21 @@ HoverReportTrial trial_of(int axis, bool stabilized, int number) {
                          .seed = static_cast<std::uint64_t>(number)};
   const double duration_s = 4 * reach_m(axis) / kSpeed_m_s;
   const double phase = 3 * uniform();
-  double lagged_m = 0;
-  Eigen::Vector3d wander_m = Eigen::Vector3d::Zero();
+  double lagged_offset_m = 0;
+  Eigen::Vector3d disturbance_m = Eigen::Vector3d::Zero();
   for (int i = 0; i <= static_cast<int>(duration_s * kFramesPerSecond); ++i) {
     const double t_s = i / kFramesPerSecond;
-    const double way_m = station_way_m(axis, t_s);
-    lagged_m +=
-        ((stabilized ? 0.2 * way_m + 0.08 * std::sin(1.3 * t_s + phase) : way_m) - lagged_m) /
+    const double offset_m = station_offset_m(axis, t_s);
+    lagged_offset_m +=
+        ((stabilized ? 0.2 * offset_m + 0.08 * std::sin(1.3 * t_s + phase) : offset_m) -
+         lagged_offset_m) /
         (0.5 * kFramesPerSecond);
-    wander_m = 0.995 * wander_m + 0.004 * Eigen::Vector3d(uniform(), 0.6 * uniform(), uniform());
-    Eigen::Vector3d displacement_m = wander_m;
-    displacement_m(axis) += lagged_m;
+    disturbance_m =
+        0.995 * disturbance_m + 0.004 * Eigen::Vector3d(uniform(), 0.6 * uniform(), uniform());
+    Eigen::Vector3d displacement_m = disturbance_m;
+    displacement_m(axis) += lagged_offset_m;
     Eigen::Vector3d station_m(0, 1, 0);
-    station_m(axis) += way_m;
+    station_m(axis) += offset_m;
     const double yaw_rad = 0.05 * std::sin(0.4 * t_s + phase);
     HoverReportSample sample{
         .t_s = t_s,
@@ -101,29 +103,29 @@ HoverReportTrial trial_of(int axis, bool stabilized, int number) {
   return trial;
 }
 
-/// Sums over the samples of a trial, or of several.
+/// Sums over the samples of one or more trials.
 struct Moments {
   double count = 0;
   double sum_m = 0;
-  double sum_of_sizes_m = 0;
+  double sum_of_magnitudes_m = 0;
   double squares_m2 = 0;
-  double greatest_m = 0;
+  double max_m = 0;
 
   void add(const HoverReportTrial& trial) {
     for (const HoverReportSample& sample : trial.samples) {
       const double d_m = sample.displacement_m(trial.moved_axis);
       count += 1;
       sum_m += d_m;
-      sum_of_sizes_m += std::abs(d_m);
+      sum_of_magnitudes_m += std::abs(d_m);
       squares_m2 += d_m * d_m;
-      greatest_m = std::max(greatest_m, std::abs(d_m));
+      max_m = std::max(max_m, std::abs(d_m));
     }
   }
   [[nodiscard]] nlohmann::json figures() const {
     const double mean_m = sum_m / count;
-    return {{"mean_m", sum_of_sizes_m / count},
+    return {{"mean_m", sum_of_magnitudes_m / count},
             {"std_m", std::sqrt(squares_m2 / count - mean_m * mean_m)},
-            {"max_m", greatest_m}};
+            {"max_m", max_m}};
   }
 };
 

@@ -8,8 +8,8 @@
 
 namespace stillkite {
 
-/// Twelve made-up trials in the shape of the hold paper's (section V): without stabilization the
-/// drone follows its station, with it a fifth of the station's way is left and fades.
+/// Twelve synthetic trials as in the hold paper (section V): without stabilization the drone
+/// follows its station; with stabilization by 20 % of the station's displacement.
 struct SyntheticTrials {
   std::vector<HoverReportTrial> trials;
   std::string config_yaml;
@@ -19,7 +19,7 @@ struct SyntheticTrials {
 
 [[nodiscard]] SyntheticTrials synthetic_trials();
 
-/// A summary.json as a run of those trials would write it.
+/// summary.json of the trials.
 [[nodiscard]] nlohmann::json synthetic_hover_summary(const SyntheticTrials& trials);
 
 }  // namespace stillkite

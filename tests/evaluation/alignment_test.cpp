@@ -7,7 +7,7 @@
 namespace stillkite {
 namespace {
 
-/// A climbing turn, and an estimate of it that lives in another world.
+/// Climbing helix, estimated in another world frame.
 std::vector<PosePair> pairs_with(const Similarity& truth_from_estimate) {
   std::vector<PosePair> pairs;
   for (int i = 0; i < 40; ++i) {
@@ -22,35 +22,35 @@ std::vector<PosePair> pairs_with(const Similarity& truth_from_estimate) {
   return pairs;
 }
 
-void expect_recovered(Alignment alignment, const Similarity& wanted) {
-  const auto pairs = pairs_with(wanted);
+void expect_recovered(Alignment alignment, const Similarity& expected) {
+  const auto pairs = pairs_with(expected);
   const auto found = best_alignment(pairs, alignment);
   ASSERT_TRUE(found);
-  EXPECT_NEAR(found->scale, wanted.scale, 1e-12);
-  EXPECT_NEAR(angle_between_rad(found->rigid.rotation, wanted.rigid.rotation), 0, 1e-7);
-  EXPECT_NEAR((found->rigid.translation - wanted.rigid.translation).norm(), 0, 1e-12);
+  EXPECT_NEAR(found->scale, expected.scale, 1e-12);
+  EXPECT_NEAR(angle_between_rad(found->rigid.rotation, expected.rigid.rotation), 0, 1e-7);
+  EXPECT_NEAR((found->rigid.translation - expected.rigid.translation).norm(), 0, 1e-12);
   for (const PosePair& pair : aligned(pairs, *found)) {
     EXPECT_NEAR((pair.estimate.translation - pair.truth.translation).norm(), 0, 1e-12);
     EXPECT_NEAR(angle_between_rad(pair.estimate.rotation, pair.truth.rotation), 0, 1e-7);
   }
 }
 
-TEST(BestAlignment, none_leaves_the_estimate_alone) {
+TEST(BestAlignment, NoneIsIdentity) {
   const auto found = best_alignment(pairs_with({.rigid = {.translation = {1, 2, 3}}}), {});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->scale, 1);
   EXPECT_EQ(found->rigid.translation, Eigen::Vector3d::Zero());
 }
 
-TEST(BestAlignment, origin_recovers_a_rigid_motion) {
+TEST(BestAlignment, OriginRecoversRigidMotion) {
   expect_recovered(Alignment::origin, {.rigid = {so3_exp({0.3, -0.5, 2.0}), {4, -5, 6}}});
 }
 
-TEST(BestAlignment, yaw_recovers_a_turn_about_the_vertical) {
+TEST(BestAlignment, YawRecoversRotationAboutVertical) {
   expect_recovered(Alignment::yaw, {.rigid = {so3_exp({0, 0, 2.9}), {4, -5, 6}}});
 }
 
-TEST(BestAlignment, yaw_does_not_tilt) {
+TEST(BestAlignment, YawAlignmentHasNoTilt) {
   const auto found =
       best_alignment(pairs_with({.rigid = {so3_exp({0.2, 0.1, 1.0}), {0, 0, 0}}}), Alignment::yaw);
   ASSERT_TRUE(found);
@@ -58,17 +58,17 @@ TEST(BestAlignment, yaw_does_not_tilt) {
   EXPECT_EQ(found->rigid.rotation.y(), 0);
 }
 
-TEST(BestAlignment, se3_recovers_a_rigid_motion) {
+TEST(BestAlignment, Se3RecoversRigidMotion) {
   expect_recovered(Alignment::se3, {.rigid = {so3_exp({0.3, -0.5, 2.0}), {4, -5, 6}}});
 }
 
-TEST(BestAlignment, sim3_recovers_a_similarity) {
+TEST(BestAlignment, Sim3RecoversSimilarity) {
   expect_recovered(Alignment::sim3,
                    {.scale = 2.5, .rigid = {so3_exp({0.3, -0.5, 2.0}), {4, -5, 6}}});
 }
 
-// Points of one plane fit a rotation and a reflection equally well; only the former is a motion.
-TEST(BestAlignment, se3_of_a_plane_is_not_a_reflection) {
+// Coplanar points fit a rotation and a reflection equally well; only the rotation is a motion.
+TEST(BestAlignment, Se3OfCoplanarPositionsIsARotation) {
   auto pairs = pairs_with({.rigid = {so3_exp({0, 0, 1}), {0, 0, 0}}});
   for (PosePair& pair : pairs) pair.estimate.translation.z() = pair.truth.translation.z() = 0;
   const auto found = best_alignment(pairs, Alignment::se3);
@@ -77,7 +77,7 @@ TEST(BestAlignment, se3_of_a_plane_is_not_a_reflection) {
   EXPECT_NEAR(angle_between_rad(found->rigid.rotation, so3_exp({0, 0, 1})), 0, 1e-7);
 }
 
-TEST(BestAlignment, says_nothing_where_the_positions_leave_it_open) {
+TEST(BestAlignment, ReturnsNothingForUnderdeterminedPositions) {
   std::vector<PosePair> line;
   std::vector<PosePair> climb;
   for (int i = 0; i < 10; ++i) {
@@ -93,8 +93,8 @@ TEST(BestAlignment, says_nothing_where_the_positions_leave_it_open) {
   EXPECT_FALSE(best_alignment({}, Alignment::origin));
 }
 
-// The means of what stands still are off by rounding, which is no way.
-TEST(BestAlignment, says_nothing_of_what_stands_still) {
+// Means of constant positions have rounding errors, which are no extent.
+TEST(BestAlignment, ReturnsNothingForConstantPositions) {
   auto pairs = pairs_with({.rigid = {so3_exp({0, 0, 1}), {0, 0, 0}}});
   auto still_truth = pairs;
   for (PosePair& pair : pairs) pair.estimate.translation = {0.1, 0.2, 20.3};

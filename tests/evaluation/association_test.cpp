@@ -12,7 +12,7 @@ StampedPose at(double t_s, double x_m, double yaw_rad = 0) {
           .world_from_body = {.rotation = so3_exp({0, 0, yaw_rad}), .translation = {x_m, 0, 0}}};
 }
 
-TEST(PoseAt, interpolates_between_the_neighbours) {
+TEST(PoseAt, InterpolatesBetweenNeighbours) {
   const std::vector<StampedPose> poses{at(1.0, 10, 0.0), at(1.1, 20, 0.2)};
   const auto pose = pose_at(poses, from_seconds(1.025), 0.03);
   ASSERT_TRUE(pose);
@@ -20,7 +20,7 @@ TEST(PoseAt, interpolates_between_the_neighbours) {
   EXPECT_NEAR(so3_log(pose->rotation).z(), 0.05, 1e-9);
 }
 
-TEST(PoseAt, asks_for_one_neighbour_within_the_tolerance) {
+TEST(PoseAt, RequiresANeighbourWithinTolerance) {
   const std::vector<StampedPose> poses{at(1.0, 10), at(1.1, 20)};
   EXPECT_FALSE(pose_at(poses, from_seconds(1.05), 0.03));
   EXPECT_FALSE(pose_at(poses, from_seconds(0.9), 0.03));
@@ -31,7 +31,7 @@ TEST(PoseAt, asks_for_one_neighbour_within_the_tolerance) {
   EXPECT_DOUBLE_EQ(pose_at(poses, from_seconds(1.1), 0)->translation.x(), 20);
 }
 
-TEST(TwistAt, takes_the_nearest) {
+TEST(TwistAt, ReturnsTheNearestSample) {
   const std::vector<StampedTwist> twists{{from_seconds(1.0), {.velocity_m_s = {1, 0, 0}}},
                                          {from_seconds(1.1), {.velocity_m_s = {2, 0, 0}}}};
   EXPECT_DOUBLE_EQ(twist_at(twists, from_seconds(1.04), 0.05)->velocity_m_s.x(), 1);
@@ -42,7 +42,7 @@ TEST(TwistAt, takes_the_nearest) {
   EXPECT_FALSE(twist_at({}, from_seconds(1.0), 0.05));
 }
 
-TEST(Associate, keeps_the_index_of_the_estimate) {
+TEST(Associate, KeepsTheIndexOfTheEstimate) {
   const std::vector<StampedPose> estimates{at(0.5, 1), at(1.0, 2), at(2.0, 3), at(3.0, 4)};
   const std::vector<StampedPose> truth{at(1.0, 5), at(2.5, 6), at(3.0, 7)};
   const auto pairs = associate(estimates, truth, 0.01);
@@ -53,19 +53,18 @@ TEST(Associate, keeps_the_index_of_the_estimate) {
   EXPECT_DOUBLE_EQ(pairs[1].truth.translation.x(), 7);
 }
 
-// A camera that turns about the vertical at a constant rate while it flies straight: half way
-// between two poses the world's velocity is seen at the mean heading.
-TEST(MeanTwist, is_exact_on_a_straight_path_with_a_constant_turn) {
-  const double rate_rad_s = 0.8;
+// Constant yaw rate on a straight path: the velocity is expressed at the mean yaw of both poses.
+TEST(MeanTwist, IsExactForConstantYawRateOnAStraightPath) {
+  const double yaw_rate_rad_s = 0.8;
   const double dt_s = 0.25;
   const RigidTransform before{so3_exp({0, 0, 0.3}), {0, 0, 5}};
-  const RigidTransform after{so3_exp({0, 0, 0.3 + rate_rad_s * dt_s}), {2 * dt_s, 0, 5}};
+  const RigidTransform after{so3_exp({0, 0, 0.3 + yaw_rate_rad_s * dt_s}), {2 * dt_s, 0, 5}};
   const Twist twist = mean_twist(before, after, dt_s);
-  const double heading_rad = 0.3 + 0.5 * rate_rad_s * dt_s;
-  EXPECT_NEAR(twist.velocity_m_s.x(), 2 * std::cos(heading_rad), 1e-12);
-  EXPECT_NEAR(twist.velocity_m_s.y(), -2 * std::sin(heading_rad), 1e-12);
+  const double mean_yaw_rad = 0.3 + 0.5 * yaw_rate_rad_s * dt_s;
+  EXPECT_NEAR(twist.velocity_m_s.x(), 2 * std::cos(mean_yaw_rad), 1e-12);
+  EXPECT_NEAR(twist.velocity_m_s.y(), -2 * std::sin(mean_yaw_rad), 1e-12);
   EXPECT_NEAR(twist.velocity_m_s.z(), 0, 1e-12);
-  EXPECT_NEAR(twist.angular_rate_rad_s.z(), rate_rad_s, 1e-12);
+  EXPECT_NEAR(twist.angular_rate_rad_s.z(), yaw_rate_rad_s, 1e-12);
 }
 
 }  // namespace

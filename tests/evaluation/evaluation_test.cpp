@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kFrames = 101;
 
-/// 100 m along x in 10 s, a metre a frame, with a camera that looks straight down.
+/// 100 m along x in 10 s, 1 m per frame, camera looking straight down.
 Truth straight_flight() {
   Truth truth;
   for (int i = 0; i < kFrames; ++i) {
@@ -21,9 +21,9 @@ Truth straight_flight() {
 
 const RigidTransform kNadir{.rotation = Eigen::Quaterniond(0, 1, 0, 0)};
 
-TEST(Evaluate, of_the_truth_is_without_error) {
+TEST(Evaluate, TruthHasZeroError) {
   const Truth truth = straight_flight();
-  const Evaluation result = evaluate(judged_motions(truth.poses), truth);
+  const Evaluation result = evaluate(evaluated_motions(truth.poses), truth);
   EXPECT_EQ(result.matched, kFrames);
   EXPECT_NEAR(result.path_length_m, 100, 1e-9);
   EXPECT_EQ(result.trajectory->position->rmse_m, 0);
@@ -34,14 +34,14 @@ TEST(Evaluate, of_the_truth_is_without_error) {
   EXPECT_FALSE(result.nees.position);
 }
 
-TEST(Evaluate, gives_the_drift_as_a_share_of_the_path) {
+TEST(Evaluate, ReportsDriftRelativeToPathLength) {
   const Truth truth = straight_flight();
   std::vector<StampedPose> poses = truth.poses;
   for (StampedPose& pose : poses) {
     pose.world_from_body.translation.y() += 0.003 * pose.world_from_body.translation.x();
     pose.world_from_body.translation.z() += 0.004 * pose.world_from_body.translation.x();
   }
-  const Evaluation result = evaluate(judged_motions(poses), truth);
+  const Evaluation result = evaluate(evaluated_motions(poses), truth);
   EXPECT_NEAR(*result.drift_percent, 0.5, 1e-9);
   EXPECT_NEAR(result.trajectory->position->end->horizontal_m, 0.3, 1e-9);
   EXPECT_NEAR(result.trajectory->position->end->vertical_m, 0.4, 1e-9);
@@ -49,11 +49,11 @@ TEST(Evaluate, gives_the_drift_as_a_share_of_the_path) {
   EXPECT_NEAR(result.per_tenth->translation_rmse_m, 0.05, 1e-9);
 }
 
-// Down-looking camera: x stays, y and z turn round. Estimated 0.2 m/s too fast along x.
-TEST(Evaluate, compares_velocities_in_the_camera) {
+// Down-looking camera: x is kept, y and z change sign. Velocity error of 0.2 m/s along x.
+TEST(Evaluate, ComparesVelocitiesInTheCameraFrame) {
   const Truth truth = straight_flight();
-  std::vector<JudgedMotion> estimates = judged_motions(truth.poses);
-  for (JudgedMotion& estimate : estimates) {
+  std::vector<EvaluatedMotion> estimates = evaluated_motions(truth.poses);
+  for (EvaluatedMotion& estimate : estimates) {
     estimate.twist_in_camera = Twist{.velocity_m_s = {10.2, 0, 0}};
   }
   const Evaluation result = evaluate(estimates, truth, {.body_from_camera = kNadir});
@@ -63,9 +63,9 @@ TEST(Evaluate, compares_velocities_in_the_camera) {
   EXPECT_NEAR(result.angular_rate->rmse.norm(), 0, 1e-9);
 }
 
-TEST(Evaluate, prefers_the_truth_s_own_velocities) {
+TEST(Evaluate, PrefersMeasuredTrueVelocities) {
   Truth truth = straight_flight();
-  std::vector<JudgedMotion> estimates = judged_motions(truth.poses);
+  std::vector<EvaluatedMotion> estimates = evaluated_motions(truth.poses);
   for (std::size_t i = 1; i < truth.poses.size(); ++i) {
     const double v = std::sin(0.3 * static_cast<double>(i));
     truth.twists_in_camera.push_back({truth.poses[i].stamp, {.velocity_m_s = {v, 0, 0}}});
@@ -76,19 +76,19 @@ TEST(Evaluate, prefers_the_truth_s_own_velocities) {
   EXPECT_NEAR(*result.velocity->correlation[0], 1, 1e-9);
 }
 
-TEST(Evaluate, does_not_difference_across_a_gap) {
+TEST(Evaluate, DoesNotDifferenceAcrossAGap) {
   Truth truth = straight_flight();
-  const auto estimates = judged_motions(truth.poses);
+  const auto estimates = evaluated_motions(truth.poses);
   truth.poses.erase(truth.poses.begin() + 50);
   const Evaluation result = evaluate(estimates, truth);
   EXPECT_EQ(result.matched, kFrames - 1);
   EXPECT_EQ(result.velocity->samples, kFrames - 3);
 }
 
-TEST(Evaluate, tells_whether_covariances_are_honest) {
+TEST(Evaluate, ReportsNees) {
   const Truth truth = straight_flight();
-  std::vector<JudgedMotion> estimates = judged_motions(truth.poses);
-  for (JudgedMotion& estimate : estimates) {
+  std::vector<EvaluatedMotion> estimates = evaluated_motions(truth.poses);
+  for (EvaluatedMotion& estimate : estimates) {
     estimate.world_from_body.translation += Eigen::Vector3d(0.1, 0.1, 0.1);
     estimate.world_from_body.rotation = so3_exp({0, 0, 0.02});
     estimate.pose_covariance = 0.01 * Matrix6d::Identity();
@@ -102,9 +102,9 @@ TEST(Evaluate, tells_whether_covariances_are_honest) {
   EXPECT_NEAR(result.nees.angular_rate->mean, 0, 1e-9);
 }
 
-TEST(Evaluate, scales_velocities_with_sim3) {
+TEST(Evaluate, ScalesVelocitiesWithSim3) {
   Truth truth;
-  std::vector<JudgedMotion> estimates;
+  std::vector<EvaluatedMotion> estimates;
   for (int i = 0; i < 60; ++i) {
     const double s = 0.1 * i;
     const RigidTransform pose{.translation = {std::cos(s), std::sin(s), 2 + 0.1 * s}};
@@ -119,8 +119,8 @@ TEST(Evaluate, scales_velocities_with_sim3) {
   EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
 }
 
-// Its first second is told in heights of 10 m, each row by its own scale.
-TEST(Evaluate, leaves_out_the_lengths_of_rows_without_a_scale) {
+// The first second has no metric scale: lengths in initial heights of 10 m.
+TEST(Evaluate, ExcludesLengthsOfNonMetricFrames) {
   const Truth truth = straight_flight();
   std::vector<NavigationEstimate> rows;
   for (const StampedPose& pose : truth.poses) {
@@ -136,7 +136,7 @@ TEST(Evaluate, leaves_out_the_lengths_of_rows_without_a_scale) {
     rows[i].world_from_body.translation /= 10;
     rows[i].twist_in_camera.velocity_m_s /= 10;
   }
-  Evaluation result = evaluate(judged_motions(rows), truth);
+  Evaluation result = evaluate(evaluated_motions(rows), truth);
   EXPECT_EQ(result.matched, kFrames);
   EXPECT_NEAR(result.trajectory->position->rmse_m, 0.3, 1e-9);
   EXPECT_NEAR(result.drift_percent.value(), 0.3, 1e-9);
@@ -145,14 +145,14 @@ TEST(Evaluate, leaves_out_the_lengths_of_rows_without_a_scale) {
   EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
 
   rows.back().scale = ScaleSource::none;
-  result = evaluate(judged_motions(rows), truth);
+  result = evaluate(evaluated_motions(rows), truth);
   EXPECT_NEAR(result.trajectory->position->rmse_m, 0.3, 1e-9);
   EXPECT_FALSE(result.trajectory->position->end);
   EXPECT_FALSE(result.drift_percent);
 }
 
-TEST(Evaluate, without_common_stamps_knows_nothing) {
-  const Evaluation result = evaluate(judged_motions(straight_flight().poses), {});
+TEST(Evaluate, IsEmptyWithoutCommonStamps) {
+  const Evaluation result = evaluate(evaluated_motions(straight_flight().poses), {});
   EXPECT_EQ(result.matched, 0);
   EXPECT_FALSE(result.alignment);
   EXPECT_FALSE(result.trajectory);
@@ -160,10 +160,10 @@ TEST(Evaluate, without_common_stamps_knows_nothing) {
   EXPECT_FALSE(result.velocity);
 }
 
-TEST(MotionEstimates, leave_out_the_first_frame_s_velocity) {
+TEST(EvaluatedMotions, FirstFrameHasNoTwist) {
   const std::vector<NavigationEstimate> estimates{{.verdict = Verdict::first_frame},
                                                   {.verdict = Verdict::frozen}};
-  const auto motions = judged_motions(estimates);
+  const auto motions = evaluated_motions(estimates);
   EXPECT_FALSE(motions[0].twist_in_camera);
   EXPECT_TRUE(motions[1].twist_in_camera);
 }

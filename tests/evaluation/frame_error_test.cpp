@@ -11,7 +11,7 @@ constexpr auto kVelocity = static_cast<std::size_t>(FrameFigure::velocity);
 constexpr auto kAttitude = static_cast<std::size_t>(FrameFigure::attitude);
 constexpr auto kAngularRate = static_cast<std::size_t>(FrameFigure::angular_rate);
 
-// 2 m/s along x, turning about z by 0.5 rad/s.
+// 2 m/s along x, yaw rate 0.5 rad/s.
 Truth turning_flight() {
   Truth truth;
   for (int i = 0; i < kSteps; ++i) {
@@ -23,10 +23,10 @@ Truth turning_flight() {
   return truth;
 }
 
-// The truth moved aside by `offset_m` and rolled by 0.01 rad in the world.
-std::vector<JudgedMotion> offset_estimate(const Truth& truth, double offset_m) {
-  std::vector<JudgedMotion> estimates = judged_motions(truth.poses);
-  for (JudgedMotion& estimate : estimates) {
+// Truth with a lateral offset `offset_m` and a roll error of 0.01 rad in the world.
+std::vector<EvaluatedMotion> offset_estimate(const Truth& truth, double offset_m) {
+  std::vector<EvaluatedMotion> estimates = evaluated_motions(truth.poses);
+  for (EvaluatedMotion& estimate : estimates) {
     RigidTransform& pose = estimate.world_from_body;
     pose.translation.y() += offset_m;
     pose.rotation = so3_exp({0.01, 0, 0}) * pose.rotation;
@@ -35,22 +35,22 @@ std::vector<JudgedMotion> offset_estimate(const Truth& truth, double offset_m) {
   return estimates;
 }
 
-TEST(FrameErrors, are_those_that_were_put_in) {
+TEST(FrameErrors, MatchSimulatedErrors) {
   const Truth truth = turning_flight();
   const std::vector<FrameError> errors = frame_errors(offset_estimate(truth, 0.3), truth);
   ASSERT_EQ(errors.size(), std::size_t{kSteps});
-  EXPECT_FALSE(errors[0][kVelocity]) << "no motion leads to the first frame";
+  EXPECT_FALSE(errors[0][kVelocity]) << "no twist at the first frame";
   EXPECT_NEAR(errors[7][kPosition].value(), 0.3, 1e-12);
   EXPECT_NEAR(errors[7][kAttitude].value(), 0.01, 1e-12);
-  EXPECT_NEAR(errors[7][kVelocity].value(), 2, 1e-9) << "it says that it stands still";
+  EXPECT_NEAR(errors[7][kVelocity].value(), 2, 1e-9) << "estimated velocity is 0";
   EXPECT_NEAR(errors[7][kAngularRate].value(), 0.3, 1e-9);
   EXPECT_NEAR(mean_error(errors, FrameFigure::position).value(), 0.3, 1e-12);
 }
 
-TEST(FrameErrors, of_an_estimate_without_scale_are_no_lengths) {
+TEST(FrameErrors, NonMetricEstimateHasNoLengthErrors) {
   const Truth truth = turning_flight();
-  std::vector<JudgedMotion> estimates = offset_estimate(truth, 0.3);
-  for (JudgedMotion& estimate : estimates) estimate.is_metric = false;
+  std::vector<EvaluatedMotion> estimates = offset_estimate(truth, 0.3);
+  for (EvaluatedMotion& estimate : estimates) estimate.is_metric = false;
   estimates[8].is_metric = true;
   const std::vector<FrameError> errors = frame_errors(estimates, truth);
   EXPECT_FALSE(errors[7][kPosition]);
@@ -61,7 +61,7 @@ TEST(FrameErrors, of_an_estimate_without_scale_are_no_lengths) {
   EXPECT_NEAR(mean_error(errors, FrameFigure::velocity).value(), 2, 1e-9);
 }
 
-TEST(PairedDifference, is_that_of_two_constant_errors) {
+TEST(PairedDifference, IsTheDifferenceOfConstantErrors) {
   const Truth truth = turning_flight();
   const std::vector<FrameError> worse = frame_errors(offset_estimate(truth, -0.3), truth);
   std::vector<FrameError> better = frame_errors(offset_estimate(truth, 0.1), truth);
@@ -74,8 +74,8 @@ TEST(PairedDifference, is_that_of_two_constant_errors) {
   EXPECT_FALSE(differs_from_zero(*paired_difference(worse, better, FrameFigure::angular_rate)));
 }
 
-// One run ended a frame earlier.
-TEST(PairedDifference, takes_the_frames_that_both_have) {
+// One run ends a frame earlier.
+TEST(PairedDifference, UsesCommonFramesOnly) {
   const Truth truth = turning_flight();
   const std::vector<FrameError> errors = frame_errors(offset_estimate(truth, 0.3), truth);
   const std::span<const FrameError> shorter(errors.data(), errors.size() - 1);

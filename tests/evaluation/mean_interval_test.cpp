@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTrueMean = 0.7;
 
-// x_i - mean = correlation (x_i-1 - mean) + noise, from its stationary distribution.
+// AR(1): x_i - mean = correlation (x_i-1 - mean) + noise, from the stationary distribution.
 std::vector<double> correlated_series(std::mt19937_64& random, int count, double correlation) {
   std::normal_distribution<double> normal;
   double deviation = normal(random) / std::sqrt(1 - correlation * correlation);
@@ -26,7 +26,7 @@ std::vector<double> correlated_series(std::mt19937_64& random, int count, double
 
 struct Coverage {
   double reliable = 0;  // share of the series
-  double covered = 0;   // share of the reliable ones whose interval holds the true mean
+  double covered = 0;   // share of the reliable series whose interval contains the true mean
   double covered_if_independent = 0;
 };
 
@@ -36,23 +36,23 @@ Coverage coverage(double correlation) {
   int reliable = 0;
   int covered = 0;
   int covered_if_independent = 0;
-  const auto holds = [](const MeanInterval& interval) {
+  const auto contains_mean = [](const MeanInterval& interval) {
     return interval.low <= kTrueMean && kTrueMean <= interval.high;
   };
   for (int i = 0; i < kSeries; ++i) {
     const std::vector<double> series = correlated_series(random, 1500, correlation);
     const MeanInterval interval = correlated_mean_interval(series).value();
-    covered_if_independent += holds(independent_mean_interval(series).value()) ? 1 : 0;
+    covered_if_independent += contains_mean(independent_mean_interval(series).value()) ? 1 : 0;
     if (!interval.is_reliable) continue;
     ++reliable;
-    covered += holds(interval) ? 1 : 0;
+    covered += contains_mean(interval) ? 1 : 0;
   }
   return {.reliable = 1.0 * reliable / kSeries,
           .covered = 1.0 * covered / reliable,
           .covered_if_independent = 1.0 * covered_if_independent / kSeries};
 }
 
-TEST(MeanInterval, of_five_numbers_is_as_by_hand) {
+TEST(MeanInterval, FiveSamplesMatchHandCalculation) {
   const std::vector<double> samples{1, 2, 3, 4, 5};
   const auto interval = independent_mean_interval(samples);
   ASSERT_TRUE(interval);
@@ -62,29 +62,29 @@ TEST(MeanInterval, of_five_numbers_is_as_by_hand) {
   EXPECT_NEAR(interval->low, 3 - 2.776445 * std::sqrt(0.5), 1e-6);
 }
 
-// A coverage of 0.95 over 2000 series is known to +-0.015 (three standard errors).
-TEST(MeanInterval, holds_the_true_mean_of_white_noise_as_often_as_it_says) {
+// Coverage of 0.95 over 2000 series: three standard errors are 0.015.
+TEST(MeanInterval, HasNominalCoverageForWhiteNoise) {
   const Coverage found = coverage(0);
   EXPECT_NEAR(found.covered, 0.95, 0.015);
   EXPECT_NEAR(found.covered_if_independent, 0.95, 0.015);
   EXPECT_NEAR(found.reliable, 0.95, 0.02);
 }
 
-TEST(MeanInterval, holds_the_true_mean_of_correlated_noise_as_often_as_it_says) {
+TEST(MeanInterval, HasNominalCoverageForCorrelatedNoise) {
   for (const double correlation : {0.5, 0.9}) {
     const Coverage found = coverage(correlation);
     EXPECT_NEAR(found.covered, 0.95, 0.02) << correlation;
     EXPECT_GT(found.reliable, 0.9) << correlation;
   }
-  EXPECT_LT(coverage(0.9).covered_if_independent, 0.4) << "else the batches are for nothing";
+  EXPECT_LT(coverage(0.9).covered_if_independent, 0.4) << "batch means have no effect";
 }
 
-// Correlated over 40 samples of 1500, a batch is not quite long enough, and it shows little.
-TEST(MeanInterval, comes_near_it_where_the_correlation_is_long) {
+// Correlation over 40 of 1500 samples: batches slightly too short, barely detectable.
+TEST(MeanInterval, HasNearNominalCoverageForLongCorrelation) {
   EXPECT_GT(coverage(0.95).covered, 0.91);
 }
 
-TEST(MeanInterval, of_a_random_walk_is_not_reliable) {
+TEST(MeanInterval, RandomWalkIsNotReliable) {
   std::mt19937_64 random(42);
   std::normal_distribution<double> normal;
   int reliable = 0;
@@ -97,7 +97,7 @@ TEST(MeanInterval, of_a_random_walk_is_not_reliable) {
   EXPECT_LT(reliable, 10);
 }
 
-TEST(MeanInterval, of_a_constant_is_a_point) {
+TEST(MeanInterval, ConstantSamplesGiveZeroWidth) {
   const auto interval = correlated_mean_interval(std::vector<double>(23, -2.5));
   ASSERT_TRUE(interval);
   EXPECT_EQ(interval->samples, 23);
@@ -109,7 +109,7 @@ TEST(MeanInterval, of_a_constant_is_a_point) {
       differs_from_zero({.samples = 9, .mean = 2, .low = 1, .high = 3, .is_reliable = false}));
 }
 
-TEST(MeanInterval, of_too_little_is_nothing) {
+TEST(MeanInterval, ReturnsNothingForTooFewSamples) {
   EXPECT_FALSE(independent_mean_interval(std::vector<double>{1}));
   EXPECT_FALSE(correlated_mean_interval(std::vector<double>(19, 1)));
 }

@@ -20,13 +20,13 @@ std::vector<StampedPose> truth() {
   return poses;
 }
 
-// Estimates that are true but for a turn and a rotation of the direction, both in degrees.
-std::vector<NavigationEstimate> estimates(double turn_deg, double direction_deg,
+// Truth with a rotation error and a direction error.
+std::vector<NavigationEstimate> estimates(double rotation_error_deg, double direction_error_deg,
                                           DisplacementKind kind) {
   const std::vector<StampedPose> poses = truth();
   std::vector<NavigationEstimate> result;
   for (const StampedPose& pose : poses) {
-    const RigidTransform way =
+    const RigidTransform reference_from_camera =
         (poses.front().world_from_body * kMount).inverse() * (pose.world_from_body * kMount);
     NavigationEstimate estimate;
     estimate.stamp = pose.stamp;
@@ -35,10 +35,11 @@ std::vector<NavigationEstimate> estimates(double turn_deg, double direction_deg,
     estimate.reference->reference_stamp = poses.front().stamp;
     MotionEstimate& motion = estimate.reference->motion;
     motion.status = EstimateStatus::ok;
-    motion.reference_from_camera =
-        so3_exp(Eigen::Vector3d(0, turn_deg * kDegree, 0)) * way.rotation;
-    const Eigen::Vector3d across = way.translation.unitOrthogonal();
-    motion.displacement_in_reference = so3_exp(across * direction_deg * kDegree) * way.translation;
+    motion.reference_from_camera = so3_exp(Eigen::Vector3d(0, rotation_error_deg * kDegree, 0)) *
+                                   reference_from_camera.rotation;
+    const Eigen::Vector3d axis = reference_from_camera.translation.unitOrthogonal();
+    motion.displacement_in_reference =
+        so3_exp(axis * direction_error_deg * kDegree) * reference_from_camera.translation;
     if (kind == DisplacementKind::direction) motion.displacement_in_reference.normalize();
     motion.displacement_kind = kind;
     result.push_back(estimate);
@@ -46,7 +47,7 @@ std::vector<NavigationEstimate> estimates(double turn_deg, double direction_deg,
   return result;
 }
 
-TEST(ReferenceError, TellsRotationAndDirection) {
+TEST(ReferenceError, ReportsRotationAndDirectionErrors) {
   const auto error =
       reference_error(estimates(0.3, 2, DisplacementKind::direction), truth(), kMount, 0.01);
   ASSERT_TRUE(error);
@@ -57,7 +58,7 @@ TEST(ReferenceError, TellsRotationAndDirection) {
   EXPECT_FALSE(error->displacement_rmse_m);
 }
 
-TEST(ReferenceError, TellsMetricDisplacements) {
+TEST(ReferenceError, ReportsMetricDisplacementError) {
   auto metric = estimates(0, 0, DisplacementKind::metric);
   for (NavigationEstimate& e : metric) e.reference->motion.displacement_in_reference.x() += 0.25;
   const auto error = reference_error(metric, truth(), kMount, 0.01);
@@ -65,7 +66,7 @@ TEST(ReferenceError, TellsMetricDisplacements) {
   EXPECT_NEAR(*error->displacement_rmse_m, 0.25, 1e-9);
 }
 
-TEST(ReferenceError, CountsOnlyFramesThatMeasured) {
+TEST(ReferenceError, CountsOnlyFramesWithStatusOk) {
   auto lost = estimates(1, 1, DisplacementKind::direction);
   for (NavigationEstimate& e : lost) e.reference->motion.status = EstimateStatus::lost;
   EXPECT_FALSE(reference_error(lost, truth(), kMount, 0.01));

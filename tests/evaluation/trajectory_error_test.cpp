@@ -9,7 +9,7 @@
 namespace stillkite {
 namespace {
 
-/// A straight flight of 100 m, a pair each metre, with the same tilted attitude all along.
+/// Straight flight of 100 m, one pair per metre, constant tilted attitude.
 std::vector<PosePair> straight_pairs() {
   std::vector<PosePair> pairs;
   for (int i = 0; i <= 100; ++i) {
@@ -22,7 +22,7 @@ std::vector<PosePair> straight_pairs() {
   return pairs;
 }
 
-TEST(TrajectoryError, of_a_constant_offset_is_that_offset) {
+TEST(TrajectoryError, ConstantOffsetIsTheRmse) {
   auto pairs = straight_pairs();
   for (PosePair& pair : pairs) pair.estimate.translation += Eigen::Vector3d(3, 4, -12);
   const auto error = trajectory_error(pairs);
@@ -36,13 +36,13 @@ TEST(TrajectoryError, of_a_constant_offset_is_that_offset) {
 }
 
 // Error k/100 at pair k of 0..n: mean square = (2n + 1)(n)/(6 * 100^2).
-TEST(TrajectoryError, of_an_error_that_grows_evenly) {
+TEST(TrajectoryError, LinearlyGrowingErrorMatchesClosedForm) {
   auto pairs = straight_pairs();
   for (int i = 0; i <= 100; ++i) pairs[i].estimate.translation.y() += 0.01 * i;
   EXPECT_NEAR(trajectory_error(pairs)->position->rmse_m, std::sqrt(100.0 * 201 / 6e4), 1e-12);
 }
 
-TEST(TrajectoryError, tells_tilt_from_yaw) {
+TEST(TrajectoryError, SeparatesTiltFromYaw) {
   auto pairs = straight_pairs();
   for (PosePair& pair : pairs) {
     pair.estimate.rotation = so3_exp({0.03, 0.04, 0}) * so3_exp({0, 0, -3.1}) * pair.truth.rotation;
@@ -52,15 +52,15 @@ TEST(TrajectoryError, tells_tilt_from_yaw) {
   EXPECT_NEAR(error->yaw_rmse_rad, 3.1, 1e-7);
 }
 
-TEST(TrajectoryError, says_nothing_of_nothing) {
+TEST(TrajectoryError, ReturnsNothingWithoutPairs) {
   EXPECT_FALSE(trajectory_error({}));
   EXPECT_EQ(path_length_m({}), 0);
   EXPECT_FALSE(relative_error_over_frames({}, 1));
   EXPECT_FALSE(relative_error_over_distance({}, 1));
 }
 
-// Scale wrong by 2 %: every step of d metres is wrong by 0.02 d, whatever was before.
-TEST(RelativeError, of_a_wrong_scale_is_its_share_of_the_step) {
+// Scale error of 2 %: every step of d metres has an error of 0.02 d.
+TEST(RelativeError, ScaleErrorIsProportionalToStepLength) {
   auto pairs = straight_pairs();
   for (PosePair& pair : pairs) pair.estimate.translation *= 1.02;
   const auto frame = relative_error_over_frames(pairs, 1);
@@ -76,7 +76,7 @@ TEST(RelativeError, of_a_wrong_scale_is_its_share_of_the_step) {
   EXPECT_FALSE(relative_error_over_distance(pairs, 101));
 }
 
-TEST(RelativeError, of_a_constant_yaw_drift) {
+TEST(RelativeError, ConstantYawDriftGivesRotationError) {
   auto pairs = straight_pairs();
   for (int i = 0; i <= 100; ++i) {
     pairs[i].estimate.rotation = so3_exp({0, 0, 0.001 * i}) * pairs[i].truth.rotation;
@@ -84,7 +84,7 @@ TEST(RelativeError, of_a_constant_yaw_drift) {
   EXPECT_NEAR(relative_error_over_frames(pairs, 5)->rotation_rmse_rad, 0.005, 1e-9);
 }
 
-TEST(VectorError, knows_gain_and_offset) {
+TEST(VectorError, MatchesGainAndOffset) {
   std::vector<Eigen::Vector3d> truth;
   std::vector<Eigen::Vector3d> estimate;
   for (int i = 0; i < 5; ++i) {
@@ -102,7 +102,7 @@ TEST(VectorError, knows_gain_and_offset) {
   EXPECT_FALSE(error->correlation[2]);
 }
 
-TEST(VectorError, takes_the_mean_of_the_two_middle_errors) {
+TEST(VectorError, MedianOfEvenCountAveragesTheTwoMiddleErrors) {
   const std::vector<Eigen::Vector3d> truth(4, Eigen::Vector3d::Zero());
   const std::vector<Eigen::Vector3d> estimate{{9, 0, 0}, {-1, 0, 0}, {3, 0, 0}, {2, 0, 0}};
   EXPECT_NEAR(vector_error(estimate, truth)->median_abs.x(), 2.5, 1e-12);

@@ -8,8 +8,8 @@
 namespace stillkite {
 namespace {
 
-TEST(TrialStatistics, OfASymmetricTriangle) {
-  // d runs evenly through [-2, 2]: mean |d| is 1, the deviation of d is 2 / sqrt(3)
+TEST(TrialStatistics, UniformSamplesMatchClosedForm) {
+  // d uniform in [-2, 2]: mean |d| = 1, standard deviation of d = 2 / sqrt(3)
   std::vector<double> d;
   d.reserve(40001);
   for (int i = 0; i <= 40000; ++i) d.push_back(-2 + 1e-4 * i);
@@ -21,14 +21,14 @@ TEST(TrialStatistics, OfASymmetricTriangle) {
   EXPECT_EQ(found->samples, 40001);
 }
 
-TEST(TrialStatistics, AnOffsetCountsInTheMeanAndNotInTheDeviation) {
+TEST(TrialStatistics, OffsetAffectsMeanNotDeviation) {
   const auto found = signed_statistics(std::vector<double>{-0.3, -0.3, -0.3});
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->mean, 0.3, 1e-15);
   EXPECT_NEAR(found->deviation, 0, 1e-15);
 }
 
-TEST(TrialStatistics, OfNothing) {
+TEST(TrialStatistics, ReturnsNothingWithoutSamples) {
   EXPECT_FALSE(signed_statistics({}));
 }
 

@@ -17,37 +17,37 @@ struct Sampled {
   }
 };
 
-// 1 exp(-(t - 2)) from a step at 2 s on, 100 samples a second.
+// Step at t = 2 s, then exp(-(t - 2)); 100 Hz.
 Sampled decay() {
-  Sampled made;
+  Sampled samples;
   for (int i = 0; i < 1000; ++i) {
-    made.t_s.push_back(0.01 * i);
-    made.error_rad.push_back(i < 200 ? 0.0 : std::exp(2 - 0.01 * i));
+    samples.t_s.push_back(0.01 * i);
+    samples.error_rad.push_back(i < 200 ? 0.0 : std::exp(2 - 0.01 * i));
   }
-  return made;
+  return samples;
 }
 
-TEST(YawSettling, OfADecayIsItsLogarithm) {
+TEST(YawSettling, ExponentialDecaySettlesAtItsLogarithm) {
   const auto time_s = decay().settling(2, 10);
   ASSERT_TRUE(time_s);
   EXPECT_NEAR(*time_s, std::log(10.0), 0.01);
 }
 
-TEST(YawSettling, CountsFromTheLastTimeItCameBack) {
+TEST(YawSettling, CountsFromTheLastEntryIntoTheLimit) {
   Sampled errors = decay();
   errors.error_rad[700] = -0.11;
   EXPECT_NEAR(*errors.settling(2, 10), 5.01, 1e-9);
-  // what comes after the end is another kick's
+  // samples after `until_s` are ignored
   EXPECT_NEAR(*errors.settling(2, 7), std::log(10.0), 0.01);
 }
 
-TEST(YawSettling, IsNothingWhereItEndsBeyond) {
+TEST(YawSettling, ReturnsNothingIfTheEndExceedsTheLimit) {
   EXPECT_FALSE(decay().settling(2, 4));
   EXPECT_FALSE(decay().settling(20, 30));
   EXPECT_FALSE(Sampled{}.settling(0, 1));
 }
 
-TEST(YawSettling, IsZeroWhereItNeverLeft) {
+TEST(YawSettling, IsZeroIfAlwaysWithinTheLimit) {
   EXPECT_EQ(decay().settling(0, 2), 0.0);
 }
 

@@ -8,25 +8,26 @@
 
 namespace stillkite {
 
-/// An image known at every real point: waves of 9 to 60 px in eight directions, grey 128 +- 100.
+/// Analytic image at real coordinates: waves of 9 to 60 px in eight directions, grey 128 +- 100.
 inline double analytic_grey(const Eigen::Vector2d& p) {
   double grey = 128;
   for (int k = 0; k < 8; ++k) {
     const double wave = 2 * M_PI / (9 * std::pow(60.0 / 9, k / 7.0));
-    const Eigen::Vector2d along(std::cos(2.4 * k), std::sin(2.4 * k));
-    grey += 12.5 * std::sin(wave * along.dot(p) + 1.7 * k * k);
+    const Eigen::Vector2d direction(std::cos(2.4 * k), std::sin(2.4 * k));
+    grey += 12.5 * std::sin(wave * direction.dot(p) + 1.7 * k * k);
   }
   return grey;
 }
 
-/// The analytic image as seen after each of its points p has moved to motion * p.
-inline cv::Mat analytic_frame(cv::Size size, const Eigen::Affine2d& motion, double brighter = 0) {
-  const Eigen::Affine2d back = motion.inverse();
+/// Rendering of the analytic image after the motion p -> motion * p.
+inline cv::Mat analytic_frame(cv::Size size, const Eigen::Affine2d& motion,
+                              double brightness_offset = 0) {
+  const Eigen::Affine2d inverse_motion = motion.inverse();
   cv::Mat frame(size, CV_8UC1);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
-      frame.at<unsigned char>(y, x) =
-          cv::saturate_cast<unsigned char>(analytic_grey(back * Eigen::Vector2d(x, y)) + brighter);
+      frame.at<unsigned char>(y, x) = cv::saturate_cast<unsigned char>(
+          analytic_grey(inverse_motion * Eigen::Vector2d(x, y)) + brightness_offset);
     }
   }
   return frame;
@@ -37,7 +38,7 @@ struct EndPointError {
   double max_px = 0;
 };
 
-/// Over all vectors whose point and its image are `margin_px` inside.
+/// End-point error over all vectors with both end points at least `margin_px` inside the image.
 inline EndPointError end_point_error(const FlowField& field, cv::Size size,
                                      const Eigen::Affine2d& motion, int margin_px) {
   const Eigen::AlignedBox2d inside(
@@ -49,12 +50,12 @@ inline EndPointError end_point_error(const FlowField& field, cv::Size size,
     for (int j = 0; j < field.flow_px.cols; ++j) {
       const int half = field.stride_px / 2;
       const Eigen::Vector2d p(field.stride_px * j + half, field.stride_px * i + half);
-      const Eigen::Vector2d to = motion * p;
-      if (!inside.contains(p) || !inside.contains(to)) continue;
+      const Eigen::Vector2d target = motion * p;
+      if (!inside.contains(p) || !inside.contains(target)) continue;
       const auto flow = field.flow_px.at<cv::Vec2f>(i, j);
-      const double e = (p + Eigen::Vector2d(flow[0], flow[1]) - to).norm();
-      error.mean_px += e;
-      error.max_px = std::max(error.max_px, e);
+      const double error_px = (p + Eigen::Vector2d(flow[0], flow[1]) - target).norm();
+      error.mean_px += error_px;
+      error.max_px = std::max(error.max_px, error_px);
       ++count;
     }
   }

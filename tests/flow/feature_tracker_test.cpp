@@ -18,19 +18,19 @@ namespace {
 
 const cv::Size kSize(400, 300);
 
-Eigen::Affine2d motion_about_middle(double angle_rad, double scale, const Eigen::Vector2d& shift) {
-  const Eigen::Vector2d middle(200, 150);
-  return Eigen::Translation2d(middle + shift) * Eigen::Rotation2Dd(angle_rad) *
-         Eigen::Scaling(scale) * Eigen::Translation2d(-middle);
+Eigen::Affine2d motion_about_centre(double angle_rad, double scale, const Eigen::Vector2d& shift) {
+  const Eigen::Vector2d centre(200, 150);
+  return Eigen::Translation2d(centre + shift) * Eigen::Rotation2Dd(angle_rad) *
+         Eigen::Scaling(scale) * Eigen::Translation2d(-centre);
 }
 
 std::vector<cv::Point2f> corners(const cv::Mat& grey) {
   return detect_features(grey, {.max_features = 200, .min_distance_px = 8});
 }
 
-/// Largest error of the features that were found, and how many those are.
+/// Maximum error and number of the found features.
 struct TrackError {
-  double worst_px = 0;
+  double max_px = 0;
   int found = 0;
 };
 TrackError error_of(const FeatureTracks& tracks, const Eigen::Affine2d& motion) {
@@ -39,65 +39,67 @@ TrackError error_of(const FeatureTracks& tracks, const Eigen::Affine2d& motion) 
     if (tracks.found[i] == 0) continue;
     ++error.found;
     const Eigen::Vector2d truth = motion * tracks.reference_px[i].cast<double>();
-    error.worst_px = std::max(error.worst_px, (tracks.current_px[i].cast<double>() - truth).norm());
+    error.max_px = std::max(error.max_px, (tracks.current_px[i].cast<double>() - truth).norm());
   }
   return error;
 }
 
-// Whether they were there in the reference or have come there since.
-TEST(FeatureTracker, FindsNoFeatureBehindAMask) {
-  const Eigen::Affine2d motion = motion_about_middle(0, 1, {20, 0});
+// Masked in the reference or in the current image.
+TEST(FeatureTracker, RejectsMaskedFeatures) {
+  const Eigen::Affine2d motion = motion_about_centre(0, 1, {20, 0});
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   const cv::Mat current = analytic_frame(kSize, motion);
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   const FeatureTracks all = tracker.track(current);
-  cv::Mat shows_world(kSize, CV_8U, cv::Scalar(255));
-  shows_world.colRange(150, 250) = 0;
-  tracker.set_mask(std::make_shared<const ImageMask>(shows_world));
+  cv::Mat valid_pixels(kSize, CV_8U, cv::Scalar(255));
+  valid_pixels.colRange(150, 250) = 0;
+  tracker.set_mask(std::make_shared<const ImageMask>(valid_pixels));
   const FeatureTracks masked = tracker.track(current);
-  const auto is_behind = [](const Eigen::Vector2f& at_px) {
+  const auto is_in_mask = [](const Eigen::Vector2f& at_px) {
     return at_px.x() > 145 && at_px.x() < 255;
   };
   const auto is_far = [](const Eigen::Vector2f& at_px) {
     return at_px.x() < 140 || at_px.x() > 260;
   };
-  int behind = 0, come = 0;
+  int in_reference_mask = 0, in_current_mask = 0;
   for (std::size_t i = 0; i < all.found.size(); ++i) {
-    const bool was = is_behind(all.reference_px[i]), is = is_behind(all.current_px[i]);
-    EXPECT_FALSE((was || is) && masked.found[i] != 0) << all.reference_px[i].transpose();
-    behind += all.found[i] != 0 && was ? 1 : 0;
-    come += all.found[i] != 0 && is && is_far(all.reference_px[i]) ? 1 : 0;
+    const bool was_masked = is_in_mask(all.reference_px[i]),
+               is_masked_now = is_in_mask(all.current_px[i]);
+    EXPECT_FALSE((was_masked || is_masked_now) && masked.found[i] != 0)
+        << all.reference_px[i].transpose();
+    in_reference_mask += all.found[i] != 0 && was_masked ? 1 : 0;
+    in_current_mask += all.found[i] != 0 && is_masked_now && is_far(all.reference_px[i]) ? 1 : 0;
     if (is_far(all.reference_px[i]) && is_far(all.current_px[i])) {
       EXPECT_EQ(masked.found[i], all.found[i]) << all.reference_px[i].transpose();
     }
   }
-  EXPECT_GT(behind, 10);
-  EXPECT_GT(come, 2);
+  EXPECT_GT(in_reference_mask, 10);
+  EXPECT_GT(in_current_mask, 2);
   tracker.set_mask(nullptr);
   EXPECT_EQ(tracker.track(current).found, all.found);
 }
 
-TEST(FeatureTracker, FindsFeaturesWhereTheyHaveMoved) {
+TEST(FeatureTracker, TracksSmallMotion) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   const struct {
     Eigen::Affine2d motion;
     double allowed_px = 0;
-  } cases[] = {{motion_about_middle(0, 1, {0, 0}), 0.02},
-               {motion_about_middle(0, 1, {3.3, -1.7}), 0.05},
-               {motion_about_middle(0.01, 1.01, {-4.6, 2.2}), 0.05},
-               {motion_about_middle(-0.02, 0.98, {2, 3}), 0.1}};
+  } cases[] = {{motion_about_centre(0, 1, {0, 0}), 0.02},
+               {motion_about_centre(0, 1, {3.3, -1.7}), 0.05},
+               {motion_about_centre(0.01, 1.01, {-4.6, 2.2}), 0.05},
+               {motion_about_centre(-0.02, 0.98, {2, 3}), 0.1}};
   for (const auto& at : cases) {
     tracker.set_reference(reference, corners(reference));
     const TrackError error = error_of(tracker.track(analytic_frame(kSize, at.motion)), at.motion);
     EXPECT_GT(error.found, 100);
-    EXPECT_LT(error.worst_px, at.allowed_px);
+    EXPECT_LT(error.max_px, at.allowed_px);
   }
 }
 
-// e^T C^-1 e of a coordinate, over all features: 1 where what the tracker says is true.
+// Normalized squared error e^T C^-1 e per coordinate, mean over the features; 1 if consistent.
 double chi_square(const FeatureTracks& tracks, const Eigen::Affine2d& motion) {
   double sum = 0;
   for (std::size_t i = 0; i < tracks.found.size(); ++i) {
@@ -109,8 +111,8 @@ double chi_square(const FeatureTracks& tracks, const Eigen::Affine2d& motion) {
   return sum / tracks.found_count;
 }
 
-TEST(FeatureTracker, SaysHowFarItIsOffInNoise) {
-  const Eigen::Affine2d motion = motion_about_middle(0, 1, {3.3, -1.7});
+TEST(FeatureTracker, CovarianceIsConsistentUnderWhiteNoise) {
+  const Eigen::Affine2d motion = motion_about_centre(0, 1, {3.3, -1.7});
   cv::RNG random(11);
   const auto noisy = [&](cv::Mat image, double noise_grey) {
     cv::Mat noise(kSize, CV_32F);
@@ -130,8 +132,8 @@ TEST(FeatureTracker, SaysHowFarItIsOffInNoise) {
   }
 }
 
-// As where compression has flattened both windows: what cannot be seen of the noise is there.
-TEST(FeatureTracker, IsNoSurerWhereItSeesNoNoise) {
+// Patches without visible noise, as after compression: the median noise of the image applies.
+TEST(FeatureTracker, CovarianceHasLowerBoundOfMedianNoise) {
   const cv::Mat clean = analytic_frame(kSize, Eigen::Affine2d::Identity());
   const cv::Rect noisy_part(0, 0, 2 * kSize.width / 3, kSize.height);
   const auto median_trace_beyond = [&](double noise_grey) {
@@ -157,9 +159,9 @@ TEST(FeatureTracker, IsNoSurerWhereItSeesNoNoise) {
   EXPECT_GT(median_trace_beyond(6), 50 * median_trace_beyond(0));
 }
 
-// A ground and strips before it, which move otherwise: what is seen at their edges is neither's.
-TEST(FeatureTracker, IsLessSureWhereAWindowLiesOverTwoDepths) {
-  constexpr int kStrip_px = 50;  // and as wide a gap
+// Ground and strips at another depth: patches on the occlusion boundaries contain both motions.
+TEST(FeatureTracker, InflatesCovarianceOnOcclusionBoundaries) {
+  constexpr int kStrip_px = 50;  // equal to the gap
   const Eigen::Vector2d ground_px(0.2, 0.1);
   const Eigen::Vector2d strips_px(0.7, -0.3);
   const auto from_left_edge = [](double x) {
@@ -194,27 +196,28 @@ TEST(FeatureTracker, IsLessSureWhereAWindowLiesOverTwoDepths) {
   for (std::size_t i = 0; i < tracks.found.size(); ++i) {
     if (tracks.found[i] == 0) continue;
     const Eigen::Vector2d moved = (tracks.current_px[i] - tracks.reference_px[i]).cast<double>();
-    const auto off = [&](const Eigen::Vector2d& truth) {
+    const auto nees = [&](const Eigen::Vector2d& truth) {
       const Eigen::Matrix2d covariance_px2 = tracks.covariance_px2[i].cast<double>();
       return 0.5 * (moved - truth).dot(covariance_px2.llt().solve(moved - truth));
     };
     const double to_left = from_left_edge(tracks.reference_px[i].x());
     const double to_edge =
         std::min({to_left, std::abs(to_left - kStrip_px), 2 * kStrip_px - to_left});
-    if (to_edge < 8) at_edges.push_back(std::min(off(ground_px), off(strips_px)));
-    if (to_edge > 13) elsewhere.push_back(std::min(off(ground_px), off(strips_px)));
+    const auto error = [&] { return std::min(nees(ground_px), nees(strips_px)); };
+    if (to_edge < 8) at_edges.push_back(error());
+    if (to_edge > 13) elsewhere.push_back(error());
   }
   ASSERT_GT(at_edges.size(), 50);
   ASSERT_GT(elsewhere.size(), 50);
   const auto mean = [](const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
   };
-  EXPECT_LT(mean(at_edges), 15);  // 58 if what a window does not explain were white noise
+  EXPECT_LT(mean(at_edges), 15);  // 58 under white residual noise
   EXPECT_GT(mean(elsewhere), 0.8);
   EXPECT_LT(mean(elsewhere), 1.6);
 }
 
-// Structures of all sizes, as a scene has them: a long way then leaves no doubt.
+// Multi-scale texture: unambiguous under large displacements.
 cv::Mat scene() {
   cv::RNG random(7);
   cv::Mat sum = cv::Mat::zeros(kSize, CV_32F);
@@ -229,12 +232,12 @@ cv::Mat scene() {
   return grey;
 }
 
-TEST(FeatureTracker, FindsFeaturesFarFromWhereTheyWere) {
+TEST(FeatureTracker, TracksLargeMotion) {
   const cv::Mat reference = scene();
   FeatureTracker tracker({});
   for (const Eigen::Affine2d& motion :
-       {motion_about_middle(0, 1, {-21, 17}), motion_about_middle(0.06, 1.05, {6, 3}),
-        motion_about_middle(-0.12, 0.92, {-4, 2})}) {
+       {motion_about_centre(0, 1, {-21, 17}), motion_about_centre(0.06, 1.05, {6, 3}),
+        motion_about_centre(-0.12, 0.92, {-4, 2})}) {
     cv::Mat moved;
     const cv::Matx23d A(motion(0, 0), motion(0, 1), motion(0, 2), motion(1, 0), motion(1, 1),
                         motion(1, 2));
@@ -242,61 +245,61 @@ TEST(FeatureTracker, FindsFeaturesFarFromWhereTheyWere) {
     tracker.set_reference(reference, corners(reference));
     const TrackError error = error_of(tracker.track(moved), motion);
     EXPECT_GT(error.found, 70);
-    EXPECT_LT(error.worst_px, 0.25);
+    EXPECT_LT(error.max_px, 0.25);
   }
 }
 
-TEST(FeatureTracker, SearchesAtTheKnownTurnAlone) {
+TEST(FeatureTracker, RegistersAtGivenRotationOnly) {
   const cv::Mat reference = scene();
-  const double turn_rad = 0.2;
-  const Eigen::Affine2d motion = motion_about_middle(turn_rad, 1, {25, -19});
+  const double rotation_rad = 0.2;
+  const Eigen::Affine2d motion = motion_about_centre(rotation_rad, 1, {25, -19});
   cv::Mat moved;
   const cv::Matx23d A(motion(0, 0), motion(0, 1), motion(0, 2), motion(1, 0), motion(1, 1),
                       motion(1, 2));
   cv::warpAffine(reference, moved, A, kSize, cv::INTER_CUBIC, cv::BORDER_REFLECT);
-  const auto found_at = [&](double known_turn_rad) {
+  const auto found_at = [&](double hypothesis_rad) {
     FeatureTracker tracker({});
     tracker.set_reference(reference, corners(reference));
-    return error_of(tracker.track(moved, known_turn_rad), motion);
+    return error_of(tracker.track(moved, hypothesis_rad), motion);
   };
-  EXPECT_GT(found_at(turn_rad).found, 70);
-  EXPECT_LT(found_at(turn_rad).worst_px, 0.3);
-  EXPECT_LT(found_at(-turn_rad).found, 20);
+  EXPECT_GT(found_at(rotation_rad).found, 70);
+  EXPECT_LT(found_at(rotation_rad).max_px, 0.3);
+  EXPECT_LT(found_at(-rotation_rad).found, 20);
 }
 
-TEST(FeatureTracker, FollowsALongWayWithoutDrift) {
+TEST(FeatureTracker, TracksLongDisplacementWithoutDrift) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   for (int i = 1; i <= 12; ++i) {
-    const Eigen::Affine2d motion = motion_about_middle(0.01 * i, 1 + 0.01 * i, {5.0 * i, 2.0 * i});
+    const Eigen::Affine2d motion = motion_about_centre(0.01 * i, 1 + 0.01 * i, {5.0 * i, 2.0 * i});
     const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
     EXPECT_GT(error.found, 40) << i;
-    EXPECT_LT(error.worst_px, 0.2) << i;
+    EXPECT_LT(error.max_px, 0.2) << i;
   }
 }
 
-// The left half stays, the right one comes nearer: no one deformation fits both.
-TEST(FeatureTracker, EachWindowGrowsAsItsNeighboursDo) {
+// Left half static, right half approaching: no common deformation.
+TEST(FeatureTracker, EstimatesLocalScaleChange) {
   constexpr int kSeam_px = 200;
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
-  const Eigen::Vector2d about(300, 150);
+  const Eigen::Vector2d origin(300, 150);
   for (int percent = 1; percent <= 10; ++percent) {
-    const Eigen::Affine2d growth = Eigen::Translation2d(about) *
-                                   Eigen::Scaling(1 + 0.01 * percent) *
-                                   Eigen::Translation2d(-about);
-    cv::Mat now = reference.clone();
+    const Eigen::Affine2d scaling = Eigen::Translation2d(origin) *
+                                    Eigen::Scaling(1 + 0.01 * percent) *
+                                    Eigen::Translation2d(-origin);
+    cv::Mat current = reference.clone();
     const cv::Rect right(kSeam_px, 0, kSize.width - kSeam_px, kSize.height);
-    analytic_frame(kSize, growth)(right).copyTo(now(right));
-    const FeatureTracks& tracks = tracker.track(now);
+    analytic_frame(kSize, scaling)(right).copyTo(current(right));
+    const FeatureTracks& tracks = tracker.track(current);
     double square = 0;
     int count = 0;
     for (std::size_t i = 0; i < tracks.found.size(); ++i) {
       const Eigen::Vector2d at = tracks.reference_px[i].cast<double>();
       if (tracks.found[i] == 0 || std::abs(at.x() - kSeam_px) < 30) continue;
-      const Eigen::Vector2d truth = at.x() < kSeam_px ? at : growth * at;
+      const Eigen::Vector2d truth = at.x() < kSeam_px ? at : scaling * at;
       square += (tracks.current_px[i].cast<double>() - truth).squaredNorm();
       ++count;
     }
@@ -305,21 +308,21 @@ TEST(FeatureTracker, EachWindowGrowsAsItsNeighboursDo) {
   }
 }
 
-TEST(FeatureTracker, DoesNotMindBrightness) {
+TEST(FeatureTracker, IsInvariantToBrightnessOffset) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
-  const Eigen::Affine2d motion = motion_about_middle(0, 1, {2.4, 1.1});
+  const Eigen::Affine2d motion = motion_about_centre(0, 1, {2.4, 1.1});
   const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion, 12)), motion);
   EXPECT_GT(error.found, 100);
-  EXPECT_LT(error.worst_px, 0.06);
+  EXPECT_LT(error.max_px, 0.06);
 }
 
-TEST(FeatureTracker, LosesWhatIsCovered) {
+TEST(FeatureTracker, RejectsOccludedFeatures) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
-  const Eigen::Affine2d motion = motion_about_middle(0, 1, {2, 1});
+  const Eigen::Affine2d motion = motion_about_centre(0, 1, {2, 1});
   cv::Mat covered = analytic_frame(kSize, motion);
   covered(cv::Rect(200, 0, 200, 300)).setTo(90);
   const FeatureTracks& tracks = tracker.track(covered);
@@ -327,31 +330,31 @@ TEST(FeatureTracker, LosesWhatIsCovered) {
     const bool is_covered = tracks.reference_px[i].x() > 210;
     EXPECT_FALSE(is_covered && tracks.found[i] != 0) << i;
   }
-  EXPECT_LT(error_of(tracks, motion).worst_px, 0.5);  // of a window that is half covered
+  EXPECT_LT(error_of(tracks, motion).max_px, 0.5);  // patches that are half covered
   EXPECT_GT(tracks.found_count, 40);
 }
 
-TEST(FeatureTracker, FindsNothingInABlackFrameAndEverythingAfterIt) {
+TEST(FeatureTracker, RecoversAfterBlackFrame) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   EXPECT_EQ(tracker.track(cv::Mat::zeros(kSize, CV_8UC1)).found_count, 0);
-  const Eigen::Affine2d motion = motion_about_middle(0, 1, {5, -3});
+  const Eigen::Affine2d motion = motion_about_centre(0, 1, {5, -3});
   const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
   EXPECT_GT(error.found, 100);
-  EXPECT_LT(error.worst_px, 0.05);
+  EXPECT_LT(error.max_px, 0.05);
 }
 
-TEST(OpenCvFeatureTracker, FindsFeaturesWhereTheyHaveMoved) {
+TEST(OpenCvFeatureTracker, TracksSmallMotion) {
   const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
   OpenCvFeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
-  const Eigen::Affine2d motion = motion_about_middle(0, 1, {-14.6, 9.2});
+  const Eigen::Affine2d motion = motion_about_centre(0, 1, {-14.6, 9.2});
   const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
   EXPECT_GT(error.found, 100);
 }
 
-TEST(FeatureDetection, EachDetectorFindsFeaturesThatMatchThemselves) {
+TEST(FeatureDetection, DescriptorsMatchIdenticalImage) {
   const cv::Mat grey = analytic_frame({400, 300}, Eigen::Affine2d::Identity());
   for (const auto& [kind, name] : EnumNames<Detector>::value) {
     FeatureMatcher matcher({.kind = kind, .max_features = 300, .fast_threshold = 5});
@@ -365,22 +368,22 @@ TEST(FeatureDetection, EachDetectorFindsFeaturesThatMatchThemselves) {
   }
 }
 
-TEST(FeatureDetection, LeavesRoomForThoseThatAreFollowed) {
+TEST(FeatureDetection, KeepsMinimumDistanceToTrackedFeatures) {
   const cv::Mat grey = analytic_frame({400, 300}, Eigen::Affine2d::Identity());
   for (const Detector kind : {Detector::shi_tomasi, Detector::fast}) {
     const DetectorConfig config{.kind = kind, .min_distance_px = 10, .fast_threshold = 5};
-    std::vector<cv::Point2f> followed = detect_features(grey, config);
-    ASSERT_GT(followed.size(), 20U);
-    followed.resize(followed.size() / 2);
-    const std::vector<cv::Point2f> others = detect_features(grey, config, followed);
-    EXPECT_GT(others.size(), 5U);
-    for (const cv::Point2f& other : others) {
-      for (const cv::Point2f& at : followed) EXPECT_GT(cv::norm(other - at), 9);
+    std::vector<cv::Point2f> tracked = detect_features(grey, config);
+    ASSERT_GT(tracked.size(), 20U);
+    tracked.resize(tracked.size() / 2);
+    const std::vector<cv::Point2f> added = detect_features(grey, config, tracked);
+    EXPECT_GT(added.size(), 5U);
+    for (const cv::Point2f& new_feature : added) {
+      for (const cv::Point2f& at : tracked) EXPECT_GT(cv::norm(new_feature - at), 9);
     }
   }
 }
 
-TEST(FeatureDetection, FindsNothingWhereThereIsNothing) {
+TEST(FeatureDetection, ReturnsNothingWithoutTexture) {
   const cv::Mat grey(200, 200, CV_8UC1, cv::Scalar(80));
   for (const auto& [kind, name] : EnumNames<Detector>::value) {
     EXPECT_TRUE(detect_features(grey, {.kind = kind}).empty()) << name;

@@ -11,19 +11,19 @@ namespace stillkite {
 namespace {
 
 const cv::Size kSize(331, 243);
-const Eigen::Affine2d kStill = Eigen::Affine2d::Identity();
+const Eigen::Affine2d kIdentity = Eigen::Affine2d::Identity();
 const Eigen::Affine2d kMotion(Eigen::Translation2d(2.4, -1.3));
 
 class OpenCvFlows : public testing::TestWithParam<OpenCvFlowMethod> {};
 
-TEST_P(OpenCvFlows, finds_a_shift) {
+TEST_P(OpenCvFlows, MeasuresShift) {
   OpenCvFlow flow({.method = GetParam()});
-  const FlowField& field = flow(analytic_frame(kSize, kStill), analytic_frame(kSize, kMotion));
+  const FlowField& field = flow(analytic_frame(kSize, kIdentity), analytic_frame(kSize, kMotion));
   EXPECT_LT(end_point_error(field, kSize, kMotion, 16).mean_px, 0.15);
 }
 
-TEST_P(OpenCvFlows, remembers_nothing_of_the_last_pair) {
-  const cv::Mat a = analytic_frame(kSize, kStill);
+TEST_P(OpenCvFlows, IsIndependentOfPreviousPair) {
+  const cv::Mat a = analytic_frame(kSize, kIdentity);
   const cv::Mat b = analytic_frame(kSize, kMotion);
   OpenCvFlow used({.method = GetParam()});
   OpenCvFlow fresh({.method = GetParam()});
@@ -31,20 +31,20 @@ TEST_P(OpenCvFlows, remembers_nothing_of_the_last_pair) {
   EXPECT_EQ(cv::norm(used(b, a).flow_px, fresh(b, a).flow_px, cv::NORM_INF), 0);
 }
 
-TEST_P(OpenCvFlows, refuses_frames_of_different_size) {
+TEST_P(OpenCvFlows, RejectsFramesOfDifferentSize) {
   OpenCvFlow flow({.method = GetParam()});
   const cv::Mat frame(kSize, CV_8UC1, cv::Scalar(0));
   EXPECT_THROW(flow(frame, frame.rowRange(0, 99)), InputError);
 }
 
-INSTANTIATE_TEST_SUITE_P(each, OpenCvFlows,
+INSTANTIATE_TEST_SUITE_P(Methods, OpenCvFlows,
                          testing::Values(OpenCvFlowMethod::farneback,
                                          OpenCvFlowMethod::dis_ultrafast,
                                          OpenCvFlowMethod::dis_fast, OpenCvFlowMethod::dis_medium,
                                          OpenCvFlowMethod::pyramidal_lucas_kanade),
-                         [](const auto& tested) { return std::string(name_of(tested.param)); });
+                         [](const auto& method) { return std::string(name_of(method.param)); });
 
-TEST(opencv_flow, the_grid_covers_the_frame_and_knows_where_there_is_nothing) {
+TEST(OpenCvFlow, GridCoversFrameWithZeroInformationWithoutTexture) {
   OpenCvFlow flow({.method = OpenCvFlowMethod::pyramidal_lucas_kanade, .stride_px = 8});
   const cv::Mat blank(cv::Size(100, 61), CV_8UC1, cv::Scalar(9));
   const FlowField& field = flow(blank, blank);
@@ -54,9 +54,8 @@ TEST(opencv_flow, the_grid_covers_the_frame_and_knows_where_there_is_nothing) {
   EXPECT_TRUE(cv::checkRange(field.flow_px));
 }
 
-TEST(opencv_flow, the_grid_measures_information_as_dense_lucas_kanade_does) {
-  // A wave of amplitude A and number k along each axis: the mean of the squared gradient along
-  // either is (A k)^2 / 2.
+TEST(OpenCvFlow, GridInformationMatchesDenseLucasKanade) {
+  // Waves of amplitude A and wave number k along both axes: mean squared gradient (A k)^2 / 2.
   const double amplitude = 50;
   const double wave_number = 2 * M_PI / 15;
   cv::Mat frame(kSize, CV_8UC1);

@@ -16,7 +16,7 @@ const cv::Size kImage(320, 240);
 const cv::Point kText(40, 60);
 constexpr double kStep_px = 5;
 
-// Noise of a few sizes, and a straight road along x.
+// Multi-scale noise and a straight road along x.
 cv::Mat ground() {
   cv::RNG random(7);
   cv::Mat sum = cv::Mat::zeros(600, 1200, CV_32F);
@@ -32,13 +32,14 @@ cv::Mat ground() {
   return grey;
 }
 
-// The camera's noise and all; what it has flown over so far.
-cv::Mat seen(double way_px, const std::function<void(cv::Mat&)>& paint, int noise_seed) {
+// Noisy camera image after a displacement along x.
+cv::Mat camera_image(double displacement_px, const std::function<void(cv::Mat&)>& draw_overlay,
+                     int noise_seed) {
   static const cv::Mat kGround = ground();
   cv::Mat image;
-  const cv::Matx23d shift(1, 0, -way_px, 0, 1, 0);
+  const cv::Matx23d shift(1, 0, -displacement_px, 0, 1, 0);
   cv::warpAffine(kGround, image, shift, kImage, cv::INTER_LINEAR);
-  if (paint) paint(image);
+  if (draw_overlay) draw_overlay(image);
   cv::Mat noise(image.size(), CV_16S), noisy;
   cv::RNG random(static_cast<std::uint64_t>(noise_seed) + 1);
   random.fill(noise, cv::RNG::NORMAL, 0, 2);
@@ -48,114 +49,117 @@ cv::Mat seen(double way_px, const std::function<void(cv::Mat&)>& paint, int nois
   return image;
 }
 
-void write_text(cv::Mat& image) {
+void draw_text(cv::Mat& image) {
   cv::putText(image, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 0, 3, cv::LINE_AA);
   cv::putText(image, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 255, 1, cv::LINE_AA);
 }
 
-// Where the text's strokes are.
+// Mask of the text strokes.
 cv::Mat text_px() {
   cv::Mat strokes = cv::Mat::zeros(kImage, CV_8U);
   cv::putText(strokes, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 255, 1, cv::LINE_8);
   return strokes;
 }
 
-struct Flown {
-  StaticOverlayDetector finder;
-  double way_px = 0;
+struct Flight {
+  StaticOverlayDetector detector;
+  double displacement_px = 0;
   int frames = 0;
 
-  void on(int count, double step_px, const std::function<void(cv::Mat&)>& paint) {
+  void fly(int count, double step_px, const std::function<void(cv::Mat&)>& draw_overlay) {
     for (int i = 0; i < count; ++i) {
-      way_px += step_px;
-      finder.learn(seen(way_px, paint, frames++), Eigen::Vector2d(-step_px, 0));
+      displacement_px += step_px;
+      detector.update(camera_image(displacement_px, draw_overlay, frames++),
+                      Eigen::Vector2d(-step_px, 0));
     }
   }
-  cv::Mat shows_world() {
-    const Frame frame = finder.masked({.grey = seen(way_px, {}, 0)});
-    return frame.mask ? frame.mask->shows_world() : cv::Mat();
+  cv::Mat valid_pixels() {
+    const Frame frame = detector.masked({.grey = camera_image(displacement_px, {}, 0)});
+    return frame.mask ? frame.mask->valid_pixels() : cv::Mat();
   }
 };
 
-double ratio_hidden(const cv::Mat& shows_world, const cv::Mat& where) {
-  return cv::countNonZero((shows_world == 0) & where) /
-         static_cast<double>(cv::countNonZero(where));
+double masked_ratio_of(const cv::Mat& valid_pixels, const cv::Mat& region) {
+  return cv::countNonZero((valid_pixels == 0) & region) /
+         static_cast<double>(cv::countNonZero(region));
 }
 
-TEST(StaticOverlayDetector, HidesTextThatStaysAndNothingElse) {
-  Flown flown;
-  flown.on(30, kStep_px, write_text);
-  const cv::Mat shows_world = flown.shows_world();
-  ASSERT_FALSE(shows_world.empty());
+TEST(StaticOverlayDetector, MasksStaticTextOnly) {
+  Flight flight;
+  flight.fly(30, kStep_px, draw_text);
+  const cv::Mat valid_pixels = flight.valid_pixels();
+  ASSERT_FALSE(valid_pixels.empty());
   const cv::Mat text = text_px();
-  EXPECT_GT(ratio_hidden(shows_world, text), 0.95);
-  cv::Mat away_from_it;
-  cv::dilate(text, away_from_it, cv::Mat(), {-1, -1}, 12);
-  EXPECT_EQ(ratio_hidden(shows_world, away_from_it == 0), 0);
+  EXPECT_GT(masked_ratio_of(valid_pixels, text), 0.95);
+  cv::Mat text_neighbourhood;
+  cv::dilate(text, text_neighbourhood, cv::Mat(), {-1, -1}, 12);
+  EXPECT_EQ(masked_ratio_of(valid_pixels, text_neighbourhood == 0), 0);
 }
 
-// The road's edges move along themselves, and look still.
-TEST(StaticOverlayDetector, HidesNothingWhereNothingIsFixed) {
-  Flown flown;
-  flown.on(60, kStep_px, {});
-  EXPECT_TRUE(flown.shows_world().empty());
+// Edges of the road move along themselves and appear static.
+TEST(StaticOverlayDetector, MasksNothingWithoutOverlay) {
+  Flight flight;
+  flight.fly(60, kStep_px, {});
+  EXPECT_TRUE(flight.valid_pixels().empty());
 }
 
-TEST(StaticOverlayDetector, LearnsNothingWhileTheCameraHovers) {
-  Flown flown;
+TEST(StaticOverlayDetector, DetectsNothingInHover) {
+  Flight flight;
   for (int i = 0; i < 50; ++i) {
-    flown.on(1, 0.5, write_text);
-    flown.on(1, -0.5, write_text);
+    flight.fly(1, 0.5, draw_text);
+    flight.fly(1, -0.5, draw_text);
   }
-  EXPECT_TRUE(flown.shows_world().empty());
+  EXPECT_TRUE(flight.valid_pixels().empty());
 }
 
-TEST(StaticOverlayDetector, ShowsAgainWhatIsNoLongerThere) {
-  Flown flown;
-  flown.on(30, kStep_px, write_text);
-  ASSERT_FALSE(flown.shows_world().empty());
-  flown.on(8, kStep_px, {});
-  EXPECT_TRUE(flown.shows_world().empty());
+TEST(StaticOverlayDetector, RemovesMaskOfVanishedOverlay) {
+  Flight flight;
+  flight.fly(30, kStep_px, draw_text);
+  ASSERT_FALSE(flight.valid_pixels().empty());
+  flight.fly(8, kStep_px, {});
+  EXPECT_TRUE(flight.valid_pixels().empty());
 }
 
-TEST(StaticOverlayDetector, CountsNothingOverAMotionThatIsNotKnown) {
-  Flown flown;
+TEST(StaticOverlayDetector, IgnoresIntervalsOfUnknownDisplacement) {
+  Flight flight;
   for (int i = 0; i < 30; ++i) {
-    flown.on(1, kStep_px, write_text);
-    flown.finder.learn(seen(flown.way_px, write_text, i), {});
+    flight.fly(1, kStep_px, draw_text);
+    flight.detector.update(camera_image(flight.displacement_px, draw_text, i), {});
   }
-  const cv::Mat shows_world = flown.shows_world();
-  ASSERT_FALSE(shows_world.empty()) << "every second interval is known";
-  Flown unknown;
-  for (int i = 0; i < 60; ++i) unknown.finder.learn(seen(i * kStep_px, write_text, i), {});
-  EXPECT_TRUE(unknown.shows_world().empty());
+  const cv::Mat valid_pixels = flight.valid_pixels();
+  ASSERT_FALSE(valid_pixels.empty()) << "displacement known in every second interval";
+  Flight without_displacement;
+  for (int i = 0; i < 60; ++i) {
+    without_displacement.detector.update(camera_image(i * kStep_px, draw_text, i), {});
+  }
+  EXPECT_TRUE(without_displacement.valid_pixels().empty());
 }
 
-TEST(StaticOverlayDetector, AddsToTheMaskThatIsGiven) {
-  cv::Mat given(kImage, CV_8U, cv::Scalar(255));
-  given.rowRange(200, 240) = 0;
+TEST(StaticOverlayDetector, ExtendsInputMask) {
+  cv::Mat input_mask(kImage, CV_8U, cv::Scalar(255));
+  input_mask.rowRange(200, 240) = 0;
   Frame frame{.grey = cv::Mat(kImage, CV_8U, cv::Scalar(0)),
-              .mask = std::make_shared<const ImageMask>(given)};
-  Flown flown;
-  EXPECT_EQ(flown.finder.masked(frame).mask, frame.mask);
-  flown.on(30, kStep_px, write_text);
-  const cv::Mat together = flown.finder.masked(frame).mask->shows_world();
-  EXPECT_EQ(cv::countNonZero(together.rowRange(200, 240)), 0);
-  EXPECT_GT(ratio_hidden(together, text_px()), 0.95);
-  EXPECT_EQ(cv::countNonZero(given.rowRange(0, 200) == 0), 0) << "the one given has changed";
+              .mask = std::make_shared<const ImageMask>(input_mask)};
+  Flight flight;
+  EXPECT_EQ(flight.detector.masked(frame).mask, frame.mask);
+  flight.fly(30, kStep_px, draw_text);
+  const cv::Mat combined_mask = flight.detector.masked(frame).mask->valid_pixels();
+  EXPECT_EQ(cv::countNonZero(combined_mask.rowRange(200, 240)), 0);
+  EXPECT_GT(masked_ratio_of(combined_mask, text_px()), 0.95);
+  EXPECT_EQ(cv::countNonZero(input_mask.rowRange(0, 200) == 0), 0) << "input mask modified";
 }
 
-TEST(ImageMask, TellsWhichShareOfAWindowIsHidden) {
-  cv::Mat shows_world(6, 8, CV_8U, cv::Scalar(255));
-  shows_world(cv::Rect(0, 0, 4, 2)) = 0;
-  const ImageMask mask(shows_world);
-  EXPECT_DOUBLE_EQ(mask.hidden_ratio(), 8.0 / 48);
-  EXPECT_FLOAT_EQ(mask.hidden_ratio(1.5F, 0.5F, 4, 2), 1);
-  EXPECT_FLOAT_EQ(mask.hidden_ratio(3.5F, 1.5F, 4, 2), 0.25F);
-  EXPECT_FLOAT_EQ(mask.hidden_ratio(6, 4, 3, 3), 0);
-  // of what lies in the image
-  EXPECT_FLOAT_EQ(mask.hidden_ratio(-0.5F, 0.5F, 4, 2), 1);
-  EXPECT_FLOAT_EQ(mask.hidden_ratio(-20, 0, 4, 4), 1);
+TEST(ImageMask, ComputesMaskedRatioOfRectangle) {
+  cv::Mat valid_pixels(6, 8, CV_8U, cv::Scalar(255));
+  valid_pixels(cv::Rect(0, 0, 4, 2)) = 0;
+  const ImageMask mask(valid_pixels);
+  EXPECT_DOUBLE_EQ(mask.masked_ratio(), 8.0 / 48);
+  EXPECT_FLOAT_EQ(mask.masked_ratio(1.5F, 0.5F, 4, 2), 1);
+  EXPECT_FLOAT_EQ(mask.masked_ratio(3.5F, 1.5F, 4, 2), 0.25F);
+  EXPECT_FLOAT_EQ(mask.masked_ratio(6, 4, 3, 3), 0);
+  // clipped to the image
+  EXPECT_FLOAT_EQ(mask.masked_ratio(-0.5F, 0.5F, 4, 2), 1);
+  EXPECT_FLOAT_EQ(mask.masked_ratio(-20, 0, 4, 4), 1);
   EXPECT_THROW(ImageMask{cv::Mat()}, InputError);
   EXPECT_THROW(ImageMask{cv::Mat(6, 8, CV_8UC3)}, InputError);
 }

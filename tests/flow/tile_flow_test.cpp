@@ -22,8 +22,8 @@ cv::Mat image(double phase) {
   return image;
 }
 
-// Every tile shifted by the same way and sheared: x moves by `shear` a row.
-TilePlacement placed(const TileGrid& grid, float dx, float dy, float shear) {
+// Placement of all tiles with a common shift and shear: x changes by `shear` per row.
+TilePlacement placement_of(const TileGrid& grid, float dx, float dy, float shear) {
   TilePlacement placement;
   placement.resize(grid.count);
   for (std::size_t i = 0; i < placement.x_px.size(); ++i) {
@@ -36,41 +36,41 @@ TilePlacement placed(const TileGrid& grid, float dx, float dy, float shear) {
   return placement;
 }
 
-TileTextures unknown(const TileGrid& grid) {
+TileTextures empty_textures(const TileGrid& grid) {
   TileTextures textures;
-  textures.forget(grid);
+  textures.reset(grid);
   return textures;
 }
 
-class KnownTexture : public testing::TestWithParam<TileWarp> {};
+class CachedTexture : public testing::TestWithParam<TileWarp> {};
 
-TEST_P(KnownTexture, says_what_a_fresh_one_says) {
+TEST_P(CachedTexture, MatchesRecomputedTexture) {
   const cv::Mat reference = image(0), current = image(0.1);
   for (const int columns : {16, 32}) {
     const TileGrid grid = make_tile_grid(kSide_px, kSide_px, columns, 16);
-    TileTextures kept = unknown(grid);
+    TileTextures cached = empty_textures(grid);
     TileFlow flow;
-    // tiles that were off the image at first are learnt when they are on it
+    // tiles outside the image at first are computed once they are inside
     for (const float dx : {40.0F, 0.3F, -0.4F}) {
-      const TilePlacement placement = placed(grid, dx, 0.2F, 0.01F);
-      const TileMeasurements again =
-          flow.measure(reference, current, grid, placement, GetParam(), 1, {}, kept);
-      TileTextures none = unknown(grid);
-      const TileMeasurements& fresh =
-          flow.measure(reference, current, grid, placement, GetParam(), 1, {}, none);
-      EXPECT_EQ(again.gxx, fresh.gxx);
-      EXPECT_EQ(again.gxy, fresh.gxy);
-      EXPECT_EQ(again.gyy, fresh.gyy);
-      EXPECT_EQ(again.gx, fresh.gx);
-      EXPECT_EQ(again.gy, fresh.gy);
+      const TilePlacement placement = placement_of(grid, dx, 0.2F, 0.01F);
+      const TileMeasurements with_cache =
+          flow.measure(reference, current, grid, placement, GetParam(), 1, {}, cached);
+      TileTextures empty = empty_textures(grid);
+      const TileMeasurements& recomputed =
+          flow.measure(reference, current, grid, placement, GetParam(), 1, {}, empty);
+      EXPECT_EQ(with_cache.gxx, recomputed.gxx);
+      EXPECT_EQ(with_cache.gxy, recomputed.gxy);
+      EXPECT_EQ(with_cache.gyy, recomputed.gyy);
+      EXPECT_EQ(with_cache.gx, recomputed.gx);
+      EXPECT_EQ(with_cache.gy, recomputed.gy);
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Warps, KnownTexture, testing::Values(TileWarp::shift, TileWarp::affine));
+INSTANTIATE_TEST_SUITE_P(Warps, CachedTexture, testing::Values(TileWarp::shift, TileWarp::affine));
 
-// A wave that is known: G is the sum of squares of its slope, as central differences have it.
-TEST(TileFlow, structure_tensor_of_a_wave_and_the_step_across_it) {
+// Wave: G is the sum of squares of its central differences.
+TEST(TileFlow, StructureTensorAndStepMatchAnalyticWave) {
   constexpr double kPeriod_px = 16, kAmplitude = 100, kShift_px = 0.1;
   const double k = 2 * std::numbers::pi / kPeriod_px;
   const auto wave = [&](double shift) {
@@ -84,10 +84,11 @@ TEST(TileFlow, structure_tensor_of_a_wave_and_the_step_across_it) {
     return image;
   };
   const TileGrid grid = make_tile_grid(kSide_px, kSide_px, 16, 16);
-  TileTextures textures = unknown(grid);
+  TileTextures textures = empty_textures(grid);
   TileFlow flow;
-  const TileMeasurements& m = flow.measure(wave(0), wave(kShift_px), grid, placed(grid, 0, 0, 0),
-                                           TileWarp::shift, 1, {}, textures);
+  const TileMeasurements& m =
+      flow.measure(wave(0), wave(kShift_px), grid, placement_of(grid, 0, 0, 0), TileWarp::shift, 1,
+                   {}, textures);
   const double G = 16 * 16 * 0.5 * std::pow(kAmplitude * std::sin(k), 2);
   EXPECT_NEAR(m.gxx[0], G, 0.01 * G);
   EXPECT_NEAR(m.gxy[0], 0, 1e-3 * G);
@@ -97,35 +98,34 @@ TEST(TileFlow, structure_tensor_of_a_wave_and_the_step_across_it) {
 
 class FineTexture : public testing::TestWithParam<TileWarp> {};
 
-// Interpolation that moves waves of some five pixels by less than it is asked to makes all windows
-// of an image err alike, towards half pixels.
-TEST_P(FineTexture, moves_by_parts_of_a_pixel_as_coarse_texture_does) {
-  const auto moved = [](const cv::Point2d& by_px) {
+// Interpolation errors at wavelengths of 5 px cause a bias common to all tiles.
+TEST_P(FineTexture, MeasuresSubPixelShifts) {
+  const auto shifted_image = [](const cv::Point2d& shift_px) {
     cv::Mat image(kSide_px, kSide_px, CV_8UC1);
     for (int y = 0; y < kSide_px; ++y) {
       for (int x = 0; x < kSide_px; ++x) {
-        const double waves = std::sin(2 * std::numbers::pi / 5.0 * (x - by_px.x)) +
-                             std::sin(2 * std::numbers::pi / 5.3 * (y - by_px.y));
+        const double waves = std::sin(2 * std::numbers::pi / 5.0 * (x - shift_px.x)) +
+                             std::sin(2 * std::numbers::pi / 5.3 * (y - shift_px.y));
         image.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(128 + 60 * waves);
       }
     }
     return image;
   };
   const TileGrid grid = make_tile_grid(kSide_px, kSide_px, 16, 16);
-  TileTextures textures = unknown(grid);
+  TileTextures textures = empty_textures(grid);
   TileFlow flow;
-  for (const cv::Point2d& by_px : {cv::Point2d(0.25, 0.15), {0.4, 0.7}, {-0.2, 0.85}}) {
+  for (const cv::Point2d& shift_px : {cv::Point2d(0.25, 0.15), {0.4, 0.7}, {-0.2, 0.85}}) {
     constexpr int kSteps = 8;
-    cv::Point2d found_px(0, 0);
+    cv::Point2d estimated_px(0, 0);
     for (int step = 0; step < kSteps; ++step) {
-      const TilePlacement placement =
-          placed(grid, static_cast<float>(found_px.x), static_cast<float>(found_px.y), 0);
-      const TileMeasurements& m =
-          flow.measure(moved({0, 0}), moved(by_px), grid, placement, GetParam(), 1, {}, textures);
-      found_px += cv::Point2d(m.gx[4] / m.gxx[4], m.gy[4] / m.gyy[4]);
+      const TilePlacement placement = placement_of(grid, static_cast<float>(estimated_px.x),
+                                                   static_cast<float>(estimated_px.y), 0);
+      const TileMeasurements& m = flow.measure(shifted_image({0, 0}), shifted_image(shift_px), grid,
+                                               placement, GetParam(), 1, {}, textures);
+      estimated_px += cv::Point2d(m.gx[4] / m.gxx[4], m.gy[4] / m.gyy[4]);
     }
-    EXPECT_NEAR(found_px.x, by_px.x, 0.006);
-    EXPECT_NEAR(found_px.y, by_px.y, 0.006);
+    EXPECT_NEAR(estimated_px.x, shift_px.x, 0.006);
+    EXPECT_NEAR(estimated_px.y, shift_px.y, 0.006);
   }
 }
 
@@ -138,10 +138,10 @@ struct Warp {
 
 class DeformedTile : public testing::TestWithParam<Warp> {};
 
-// The current image is the reference's texture deformed as the placement says: what is left is
-// the rounding of both to whole grey levels. Also where the tiles come near the image's border.
-TEST_P(DeformedTile, is_warped_as_the_placement_says) {
-  constexpr double kMiddle_px = 0.5 * (kSide_px - 1);
+// Current image: the reference deformed by the placement. The residual is the quantization of both
+// images, also for tiles near the border.
+TEST_P(DeformedTile, LeavesQuantizationResidualOnly) {
+  constexpr double kCentre_px = 0.5 * (kSide_px - 1);
   const Warp& a = GetParam();
   const auto grey = [](double x, double y) {
     return cv::saturate_cast<std::uint8_t>(
@@ -151,26 +151,26 @@ TEST_P(DeformedTile, is_warped_as_the_placement_says) {
   const double determinant = a.xx * a.yy - a.xy * a.yx;
   for (int y = 0; y < kSide_px; ++y) {
     for (int x = 0; x < kSide_px; ++x) {
-      const double dx = x - kMiddle_px - 0.3, dy = y - kMiddle_px + 0.4;
+      const double dx = x - kCentre_px - 0.3, dy = y - kCentre_px + 0.4;
       reference.at<std::uint8_t>(y, x) = grey(x, y);
-      current.at<std::uint8_t>(y, x) = grey(kMiddle_px + (a.yy * dx - a.xy * dy) / determinant,
-                                            kMiddle_px + (a.xx * dy - a.yx * dx) / determinant);
+      current.at<std::uint8_t>(y, x) = grey(kCentre_px + (a.yy * dx - a.xy * dy) / determinant,
+                                            kCentre_px + (a.xx * dy - a.yx * dx) / determinant);
     }
   }
   for (const int columns : {16, 32}) {
     for (const int rows : {8, 16, 24}) {
       const TileGrid grid = make_tile_grid(kSide_px, kSide_px, columns, rows);
-      TilePlacement placement = placed(grid, 0, 0, 0);
+      TilePlacement placement = placement_of(grid, 0, 0, 0);
       for (std::size_t i = 0; i < placement.x_px.size(); ++i) {
-        const double dx = grid.centre_x_px[i] - kMiddle_px, dy = grid.centre_y_px[i] - kMiddle_px;
-        placement.x_px[i] = static_cast<float>(kMiddle_px + 0.3 + a.xx * dx + a.xy * dy);
-        placement.y_px[i] = static_cast<float>(kMiddle_px - 0.4 + a.yx * dx + a.yy * dy);
+        const double dx = grid.centre_x_px[i] - kCentre_px, dy = grid.centre_y_px[i] - kCentre_px;
+        placement.x_px[i] = static_cast<float>(kCentre_px + 0.3 + a.xx * dx + a.xy * dy);
+        placement.y_px[i] = static_cast<float>(kCentre_px - 0.4 + a.yx * dx + a.yy * dy);
         placement.axx[i] = static_cast<float>(a.xx);
         placement.axy[i] = static_cast<float>(a.xy);
         placement.ayx[i] = static_cast<float>(a.yx);
         placement.ayy[i] = static_cast<float>(a.yy);
       }
-      TileTextures textures = unknown(grid);
+      TileTextures textures = empty_textures(grid);
       TileFlow flow;
       const TileMeasurements& m =
           flow.measure(reference, current, grid, placement, TileWarp::affine, 1, {}, textures);
@@ -189,47 +189,49 @@ TEST_P(DeformedTile, is_warped_as_the_placement_says) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Warps, DeformedTile,
-                         testing::Values(Warp{"none", 1, 0, 0, 1},
-                                         Warp{"turned_by_3_deg", 0.9986, -0.0523, 0.0523, 0.9986},
-                                         Warp{"turned_back", 0.9986, 0.0523, -0.0523, 0.9986},
-                                         Warp{"nearer_and_sheared", 1.1, 0.12, 0.06, 1.05},
-                                         Warp{"farther", 0.85, -0.15, -0.066, 0.9},
-                                         Warp{"turned_by_30_deg", 0.866, -0.5, 0.5, 0.866},
-                                         Warp{"upright", 0, -1, 1, 0}),
+                         testing::Values(Warp{"identity", 1, 0, 0, 1},
+                                         Warp{"rotated_by_3_deg", 0.9986, -0.0523, 0.0523, 0.9986},
+                                         Warp{"rotated_by_minus_3_deg", 0.9986, 0.0523, -0.0523,
+                                              0.9986},
+                                         Warp{"enlarged_and_sheared", 1.1, 0.12, 0.06, 1.05},
+                                         Warp{"reduced", 0.85, -0.15, -0.066, 0.9},
+                                         Warp{"rotated_by_30_deg", 0.866, -0.5, 0.5, 0.866},
+                                         Warp{"rotated_by_90_deg", 0, -1, 1, 0}),
                          [](const auto& test) { return test.param.name; });
 
-// From black to white the gradient is 255 in all sixteen rows of a column: no sum may overflow. A
-// shear about the middle moves the upper half of the edge as far as the lower half, to other sides.
-TEST(TileFlow, a_sheared_edge_from_black_to_white_does_not_move) {
+// Maximum gradient of 255 in all rows: no overflow. A shear about the centre moves the upper and
+// the lower half of the edge in opposite directions.
+TEST(TileFlow, ShearedEdgeDoesNotMove) {
   cv::Mat edge(kSide_px, kSide_px, CV_8UC1, cv::Scalar(0));
   edge.colRange(kSide_px / 2 + 1, kSide_px) = 255;
   const TileGrid grid = make_tile_grid(kSide_px, kSide_px, 16, 16);
-  TileTextures textures = unknown(grid);
+  TileTextures textures = empty_textures(grid);
   TileFlow flow;
-  const TileMeasurements& m =
-      flow.measure(edge, edge, grid, placed(grid, 0, 0, 0.05F), TileWarp::shift, 1, {}, textures);
+  const TileMeasurements& m = flow.measure(edge, edge, grid, placement_of(grid, 0, 0, 0.05F),
+                                           TileWarp::shift, 1, {}, textures);
   for (int i = 0; i < grid.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     EXPECT_NEAR(m.gx[k], 0, 1e-4F * (1 + m.gxx[k])) << i;
   }
 }
 
-// White that should be twice as bright and is black, but for one row: in the largest window the
-// squares of what is left fill 32 bits.
-TEST(TileFlow, white_that_became_black_leaves_its_squares) {
+// Maximum residual: white at a gain of 2 against black. The sum of squares of the largest tile
+// needs 32 bits.
+TEST(TileFlow, SumsMaximumResidualWithoutOverflow) {
   constexpr int kColumns = 32, kRows = 24;
   constexpr float kGain = 1.98F;
   const TileGrid grid = make_tile_grid(kSide_px, kSide_px, kColumns, kRows);
   cv::Mat white(kSide_px, kSide_px, CV_8UC1, cv::Scalar(255));
   white.row(grid.top_px[0] + kRows / 2) = 0;
   const cv::Mat black(kSide_px, kSide_px, CV_8UC1, cv::Scalar(0));
-  TileTextures textures = unknown(grid);
+  TileTextures textures = empty_textures(grid);
   TileFlow flow;
   const TileMeasurements& m =
-      flow.measure(white, black, grid, placed(grid, 0, 0, 0), TileWarp::shift, kGain,
+      flow.measure(white, black, grid, placement_of(grid, 0, 0, 0), TileWarp::shift, kGain,
                    {.quintic = true, .contrast = true}, textures);
-  constexpr float kShare = 1.0F / kRows;
-  const float squares = kColumns * kRows * kShare * (1 - kShare) * (kGain * 255) * (kGain * 255);
+  constexpr float kRowRatio = 1.0F / kRows;
+  const float squares =
+      kColumns * kRows * kRowRatio * (1 - kRowRatio) * (kGain * 255) * (kGain * 255);
   EXPECT_NEAR(m.residual[0], squares, 0.01F * squares);
 }
 

@@ -1,4 +1,4 @@
-// The lens models against OpenCV's own.
+// Lens models against OpenCV's implementations.
 #include <gtest/gtest.h>
 
 #include <opencv2/calib3d.hpp>
@@ -9,9 +9,9 @@
 namespace stillkite {
 namespace {
 
-class CameraAsInOpenCV : public testing::TestWithParam<SampleCamera> {};
+class CameraAgainstOpenCv : public testing::TestWithParam<SampleCamera> {};
 
-INSTANTIATE_TEST_SUITE_P(Samples, CameraAsInOpenCV, testing::ValuesIn(sample_cameras()),
+INSTANTIATE_TEST_SUITE_P(Samples, CameraAgainstOpenCv, testing::ValuesIn(sample_cameras()),
                          [](const auto& sample) { return sample.param.name; });
 
 std::vector<cv::Point2d> project_with_opencv(const Camera& camera,
@@ -29,7 +29,7 @@ std::vector<cv::Point2d> project_with_opencv(const Camera& camera,
   return pixels;
 }
 
-TEST_P(CameraAsInOpenCV, projects_to_the_same_pixel) {
+TEST_P(CameraAgainstOpenCv, ProjectsToSamePixel) {
   const Camera& camera = GetParam().camera;
   std::vector<cv::Point3d> points;
   for (const Eigen::Vector2d& p : points_in_view(camera)) {

@@ -17,7 +17,7 @@ class CameraTest : public testing::TestWithParam<SampleCamera> {
 INSTANTIATE_TEST_SUITE_P(Samples, CameraTest, testing::ValuesIn(sample_cameras()),
                          [](const auto& sample) { return sample.param.name; });
 
-TEST_P(CameraTest, jacobian_is_the_derivative_of_the_pixel) {
+TEST_P(CameraTest, JacobianMatchesNumericDerivative) {
   constexpr double kStep = 1e-6;
   for (const Eigen::Vector2d& point : points_in_view(camera)) {
     Eigen::Matrix2d numeric;
@@ -31,15 +31,16 @@ TEST_P(CameraTest, jacobian_is_the_derivative_of_the_pixel) {
   }
 }
 
-TEST_P(CameraTest, undistort_inverts_distort) {
+TEST_P(CameraTest, UndistortInvertsDistort) {
   for (const Eigen::Vector2d& point : points_in_view(camera)) {
-    const std::optional<Eigen::Vector2d> back = undistort(camera, distort(camera, point).pixel);
-    ASSERT_TRUE(back) << point.transpose();
-    EXPECT_LT((*back - point).norm(), 1e-13) << point.transpose();
+    const std::optional<Eigen::Vector2d> undistorted =
+        undistort(camera, distort(camera, point).pixel);
+    ASSERT_TRUE(undistorted) << point.transpose();
+    EXPECT_LT((*undistorted - point).norm(), 1e-13) << point.transpose();
   }
 }
 
-TEST_P(CameraTest, distort_inverts_undistort_on_every_pixel) {
+TEST_P(CameraTest, DistortInvertsUndistortOverTheImage) {
   for (int y = 0; y < camera.height_px; y += 16) {
     for (int x = 0; x < camera.width_px; x += 16) {
       const Eigen::Vector2d pixel(x, y);
@@ -50,19 +51,19 @@ TEST_P(CameraTest, distort_inverts_undistort_on_every_pixel) {
   }
 }
 
-TEST_P(CameraTest, half_resolution_sees_the_mean_of_two_by_two_pixels) {
+TEST_P(CameraTest, HalfResolutionMatchesMeanOf2x2Pixels) {
   const Camera half = half_resolution(camera);
   EXPECT_EQ(half.width_px, camera.width_px / 2);
   EXPECT_EQ(half.height_px, camera.height_px / 2);
   for (const Eigen::Vector2d& point : points_in_view(camera)) {
-    // pixel (u, v) of the half image is the centre of pixels (2u, 2v) to (2u + 1, 2v + 1)
+    // pixel (u, v) at half resolution is the centre of pixels (2u, 2v) to (2u + 1, 2v + 1)
     const Eigen::Vector2d pixel = distort(camera, point).pixel;
     const Eigen::Vector2d in_half = distort(half, point).pixel;
     EXPECT_LT((2.0 * in_half + Eigen::Vector2d(0.5, 0.5) - pixel).norm(), 1e-10);
   }
 }
 
-TEST(Camera, without_distortion_is_the_pinhole) {
+TEST(Camera, ProjectsAsPinholeWithoutDistortion) {
   const Camera camera{.width_px = 640,
                       .height_px = 480,
                       .focal_x_px = 500,
@@ -75,14 +76,14 @@ TEST(Camera, without_distortion_is_the_pinhole) {
   EXPECT_TRUE(undistort(camera, *pixel)->isApprox(Eigen::Vector2d(0.1, -0.2), 1e-15));
 }
 
-TEST(Camera, sees_nothing_at_its_own_plane_or_behind) {
+TEST(Camera, ProjectsNoPointAtOrBehindItsPlane) {
   const Camera camera = sample_cameras().front().camera;
   EXPECT_FALSE(project(camera, {1, 1, 0}));
   EXPECT_FALSE(project(camera, {0, 0, -1}));
   EXPECT_FALSE(project(camera, {0, 0, std::nan("")}));
 }
 
-TEST(Camera, has_no_point_beyond_the_fold_of_its_polynomial) {
+TEST(Camera, RejectsPixelsBeyondFoldOfDistortion) {
   // r (1 - r^2) is at most 2 / (3 sqrt 3) = 0.385
   Camera camera{.width_px = 640,
                 .height_px = 480,

@@ -14,7 +14,7 @@ namespace {
 struct Inner {
   double gain = 0.5;
 
-  static void fields(auto& self, auto&& field) { field("gain", self.gain, kPositive, "of a loop"); }
+  static void fields(auto& self, auto&& field) { field("gain", self.gain, kPositive, "loop gain"); }
 };
 
 struct Outer {
@@ -24,12 +24,12 @@ struct Outer {
 
   static void fields(auto& self, auto&& field) {
     field("window_px", self.window_px, Range{3, 99}, "side of the window");
-    field("robust", self.robust, "weigh outliers down");
-    field("inner", self.inner, "the loop");
+    field("robust", self.robust, "robust loss");
+    field("inner", self.inner, "control loop");
   }
 };
 
-// Visits nested structs too and writes "path" for each leaf.
+// Collects the full path of each leaf, including nested structs.
 struct PathLister {
   std::string prefix;
   std::vector<std::string>& paths;
@@ -45,7 +45,7 @@ struct PathLister {
   }
 };
 
-// Sets every number to the least one that its range allows.
+// Sets every number to the minimum of its range.
 struct Minimizer {
   template <typename T>
   void operator()(std::string_view, T& value, const Range& range, std::string_view) const {
@@ -57,7 +57,7 @@ struct Minimizer {
   }
 };
 
-TEST(Fields, one_list_serves_reading_and_listing) {
+TEST(Fields, OneListReadsAndEnumerates) {
   const Outer constant;
   std::vector<std::string> paths;
   Outer::fields(constant, PathLister{"", paths});
@@ -70,7 +70,7 @@ TEST(Fields, one_list_serves_reading_and_listing) {
   EXPECT_TRUE(changed.robust);
 }
 
-TEST(Range, bounds_are_inside_unless_open) {
+TEST(Range, IncludesClosedBoundsOnly) {
   constexpr Range kRange{.min = 3, .max = 99};
   EXPECT_TRUE(kRange.contains(3));
   EXPECT_TRUE(kRange.contains(99));
@@ -78,16 +78,16 @@ TEST(Range, bounds_are_inside_unless_open) {
   EXPECT_FALSE(kRange.contains(99.001));
   EXPECT_FALSE(kPositive.contains(0.0));
   EXPECT_TRUE(kPositive.contains(1e-300));
-  EXPECT_TRUE(kNotNegative.contains(0.0));
+  EXPECT_TRUE(kNonNegative.contains(0.0));
 }
 
-TEST(Range, nothing_contains_not_a_number) {
+TEST(Range, ContainsNoNan) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(kAny.contains(nan));
   EXPECT_FALSE(kPositive.contains(nan));
 }
 
-TEST(EnumNames, name_of_each_value) {
+TEST(EnumNames, NamesEachValue) {
   EXPECT_EQ(name_of(DistortionModel::none), "none");
   EXPECT_EQ(name_of(DistortionModel::radial_tangential), "radial-tangential");
   EXPECT_EQ(name_of(DistortionModel::equidistant), "equidistant");

@@ -16,14 +16,14 @@ RigidTransform random_transform(std::mt19937& random) {
   return {random_rotation(random), random_vector(random, 10.0)};
 }
 
-TEST(RigidTransform, maps_a_point_and_its_translation_is_the_origin_of_a_in_b) {
+TEST(RigidTransform, TranslationIsOriginOfAInB) {
   const RigidTransform b_from_a{
       Eigen::Quaterniond(Eigen::AngleAxisd(pi / 2, Eigen::Vector3d::UnitZ())), {1, 2, 3}};
   EXPECT_TRUE((b_from_a * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(1, 3, 3), 1e-15));
   EXPECT_EQ(b_from_a * Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3));
 }
 
-TEST(RigidTransform, composition_and_inverse_form_a_group) {
+TEST(RigidTransform, CompositionAndInverseFormGroup) {
   std::mt19937 random(2);
   for (int i = 0; i < 100; ++i) {
     const RigidTransform c_from_b = random_transform(random);
@@ -35,20 +35,20 @@ TEST(RigidTransform, composition_and_inverse_form_a_group) {
   }
 }
 
-TEST(RigidTransform, a_long_chain_stays_a_rotation) {
+TEST(RigidTransform, LongProductKeepsUnitQuaternion) {
   const RigidTransform step{so3_exp({0.1, -0.2, 0.3}), Eigen::Vector3d::Zero()};
   RigidTransform pose;
   for (int i = 0; i < 100'000; ++i) pose = pose * step;
   EXPECT_NEAR(pose.rotation.norm(), 1.0, 1e-14);
 }
 
-TEST(Skew, is_the_cross_product) {
+TEST(Skew, MatchesCrossProduct) {
   const Eigen::Vector3d a(1, -2, 3);
   const Eigen::Vector3d b(0.5, 4, -1);
   EXPECT_EQ(skew(a) * b, a.cross(b));
 }
 
-TEST(So3, exp_is_the_rotation_about_the_axis) {
+TEST(So3, ExpMatchesAngleAxis) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3.0;
   for (const double angle : {0.0, 1e-12, 1e-7, 1e-6, 1e-3, 1.0, 3.0, pi, 5.0}) {
     const Eigen::Quaterniond expected(Eigen::AngleAxisd(angle, axis));
@@ -56,7 +56,7 @@ TEST(So3, exp_is_the_rotation_about_the_axis) {
   }
 }
 
-TEST(So3, log_inverts_exp_at_every_angle_up_to_pi) {
+TEST(So3, LogInvertsExpUpToPi) {
   std::mt19937 random(3);
   for (const double angle : {0.0, 1e-15, 1e-10, 2e-9, 1e-6, 1e-3, 0.5, 1.0, 2.0, 3.0, pi - 1e-3,
                              pi - 1e-6, pi - 1e-9, pi - 1e-12}) {
@@ -67,14 +67,14 @@ TEST(So3, log_inverts_exp_at_every_angle_up_to_pi) {
   }
 }
 
-TEST(So3, log_of_small_angles_keeps_its_relative_accuracy) {
+TEST(So3, LogIsAccurateForSmallAngles) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3.0;
   for (const double angle : {1e-15, 1e-12, 1e-9, 3e-9, 1e-6}) {
     EXPECT_TRUE(so3_log(so3_exp(angle * axis)).isApprox(angle * axis, 1e-14)) << angle;
   }
 }
 
-TEST(So3, log_takes_the_short_way_for_either_sign_of_the_quaternion) {
+TEST(So3, LogReturnsShortestRotationForBothSigns) {
   std::mt19937 random(4);
   for (int i = 0; i < 100; ++i) {
     const Eigen::Quaterniond q = random_rotation(random);
@@ -82,11 +82,11 @@ TEST(So3, log_takes_the_short_way_for_either_sign_of_the_quaternion) {
     EXPECT_LE(so3_log(q).norm(), pi);
     EXPECT_TRUE(so3_log(q).isApprox(so3_log(negative), 1e-15));
   }
-  // beyond half a turn the rotation is the shorter one the other way round
+  // 4 rad is equivalent to 4 - 2 pi
   EXPECT_TRUE(so3_log(so3_exp({0, 0, 4.0})).isApprox(Eigen::Vector3d(0, 0, 4.0 - 2 * pi), 1e-15));
 }
 
-TEST(So3, left_jacobian_is_the_derivative_of_exp) {
+TEST(So3, LeftJacobianMatchesNumericDerivative) {
   std::mt19937 random(5);
   constexpr double kStep = 1e-6;
   for (const double angle : {0.0, 1e-7, 9e-6, 1.1e-5, 1e-4, 1e-2, 0.7, 2.0, 3.1}) {
@@ -101,7 +101,7 @@ TEST(So3, left_jacobian_is_the_derivative_of_exp) {
   }
 }
 
-TEST(So3, angle_between_does_not_care_about_order_or_sign) {
+TEST(So3, AngleBetweenIgnoresOrderAndSign) {
   const Eigen::Quaterniond a = so3_exp({0.3, -0.1, 0.2});
   const Eigen::Quaterniond b = a * so3_exp({0, 1.25, 0});
   EXPECT_NEAR(angle_between_rad(a, b), 1.25, 1e-15);
@@ -110,7 +110,7 @@ TEST(So3, angle_between_does_not_care_about_order_or_sign) {
   EXPECT_EQ(angle_between_rad(a, a), 0.0);
 }
 
-TEST(Interpolate, is_linear_in_translation_and_in_angle) {
+TEST(Interpolate, IsLinearInTranslationAndAngle) {
   const RigidTransform a{so3_exp({0, 0, 0.2}), {1, 0, -1}};
   const RigidTransform b{so3_exp({0, 0, 1.0}), {3, 4, -1}};
   const RigidTransform quarter = interpolate(a, b, 0.25);

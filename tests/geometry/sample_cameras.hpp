@@ -15,7 +15,7 @@ struct SampleCamera {
   friend void PrintTo(const SampleCamera& sample, std::ostream* out) { *out << sample.name; }
 };
 
-/// One camera for each lens model and number of coefficients.
+/// One camera per lens model and number of coefficients.
 [[nodiscard]] inline std::vector<SampleCamera> sample_cameras() {
   const auto camera = [](DistortionModel model, const std::array<double, 8>& coefficients) {
     return Camera{.width_px = 752,
@@ -35,7 +35,7 @@ struct SampleCamera {
           {"equidistant", camera(equidistant, {-0.0135, 0.0207, -0.0128, 0.0025})}};
 }
 
-/// Points of the plane z = 1 from the optical axis to about the image's corners.
+/// Points of the plane z = 1 from the optical axis to approximately the image corners.
 [[nodiscard]] inline std::vector<Eigen::Vector2d> points_in_view(const Camera& camera) {
   std::vector<Eigen::Vector2d> points = {{0, 0}, {1e-9, -1e-9}, {1e-7, 2e-7}, {0, 0.3}};
   const Eigen::Vector2d corner(0.5 * camera.width_px / camera.focal_x_px,

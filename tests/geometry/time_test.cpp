@@ -5,8 +5,8 @@
 namespace stillkite {
 namespace {
 
-TEST(Timestamp, keeps_nanoseconds_of_today_in_a_difference) {
-  // 1.4e18 ns do not fit a double's 53 bits; their difference must not pass through one
+TEST(Timestamp, DifferenceKeepsNanoseconds) {
+  // 1.4e18 ns exceed the 53 bits of a double: the difference must be integer
   const Timestamp from{1'403'636'579'763'555'584};
   const Timestamp to{from.ns + 1};
   EXPECT_DOUBLE_EQ(seconds_between(from, to), 1e-9);
@@ -14,7 +14,7 @@ TEST(Timestamp, keeps_nanoseconds_of_today_in_a_difference) {
   EXPECT_LT(from, to);
 }
 
-TEST(Timestamp, from_seconds_rounds_to_the_nearest_nanosecond) {
+TEST(Timestamp, FromSecondsRoundsToNearestNanosecond) {
   EXPECT_EQ(from_seconds(0.1).ns, 100'000'000);
   EXPECT_EQ(from_seconds(-0.1).ns, -100'000'000);
   EXPECT_EQ(from_seconds(1.0 / 3.0).ns, 333'333'333);

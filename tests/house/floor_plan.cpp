@@ -12,7 +12,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-// What lies between separators; `|a|b|` gives "", a, b, "".
+// Parts between separators; `|a|b|` gives "", a, b, "".
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   for (std::size_t begin = 0; begin <= text.size();) {
@@ -23,7 +23,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   return parts;
 }
 
-// `a`, `b` gives a, b: every second part between backticks.
+// Words in backticks: `a`, `b` gives a, b.
 std::vector<std::string> quoted_by_backticks(std::string_view cell) {
   const std::vector<std::string_view> parts = split(cell, '`');
   std::vector<std::string> words;
@@ -49,20 +49,22 @@ std::optional<Include> include_of(std::string_view line) {
   return Include{std::string(header), quoted};
 }
 
-std::optional<std::string> complaint_about_own(const FloorPlan& plan, const std::string& folder,
-                                               const std::string& header) {
+std::optional<std::string> project_include_violation(const FloorPlan& plan,
+                                                     const std::string& folder,
+                                                     const std::string& header) {
   const std::string target = header.substr(0, header.find('/'));
   if (target == folder) return std::nullopt;
   const auto floor = plan.find(target);
-  if (floor == plan.end()) return "is in no folder of the floor plan";
+  if (floor == plan.end()) return "is in no folder of docs/architecture.md";
   const int from = plan.at(folder).level;
-  if (floor->second.level > from) return "points up";
-  if (floor->second.level == from) return "points sideways";
+  if (floor->second.level > from) return "is on a higher floor";
+  if (floor->second.level == from) return "is on the same floor";
   return std::nullopt;
 }
 
-std::optional<std::string> complaint_about_library(const Floor& floor, const std::string& header) {
-  // the standard library and the system's plain headers have no folder, or sys/
+std::optional<std::string> library_include_violation(const Floor& floor,
+                                                     const std::string& header) {
+  // standard library and plain system headers: no folder, or sys/
   if (header.find('/') == std::string::npos || header.starts_with("sys/")) return std::nullopt;
   const bool permitted =
       floor.includes_everything ||
@@ -108,7 +110,7 @@ WingPlan parse_wing_plan(std::string_view markdown) {
 
 std::vector<std::string> forbidden_wing_includes(const WingPlan& plan, const std::string& folder,
                                                  const std::string& wing, std::string_view source) {
-  std::vector<std::string> complaints;
+  std::vector<std::string> violations;
   int number = 0;
   for (const std::string_view line : split(source, '\n')) {
     ++number;
@@ -122,30 +124,30 @@ std::vector<std::string> forbidden_wing_includes(const WingPlan& plan, const std
     const bool permitted =
         own != plan.end() && std::ranges::find(own->second, target) != own->second.end();
     if (permitted) continue;
-    complaints.push_back("line " + std::to_string(number) + ": " + include->header +
-                         (wing.empty() ? " leads from the folder into a wing"
+    violations.push_back("line " + std::to_string(number) + ": " + include->header +
+                         (wing.empty() ? " is in a wing, not permitted outside wings"
                                        : " is not permitted in the wing " + wing));
   }
-  return complaints;
+  return violations;
 }
 
 std::vector<std::string> forbidden_includes(const FloorPlan& plan, const std::string& folder,
                                             std::string_view source) {
-  std::vector<std::string> complaints;
+  std::vector<std::string> violations;
   int number = 0;
   for (const std::string_view line : split(source, '\n')) {
     ++number;
     const std::optional<Include> include = include_of(line);
     if (!include) continue;
-    const std::optional<std::string> complaint =
-        include->quoted ? complaint_about_own(plan, folder, include->header)
-                        : complaint_about_library(plan.at(folder), include->header);
-    if (complaint) {
-      complaints.push_back("line " + std::to_string(number) + ": " + include->header + " " +
-                           *complaint);
+    const std::optional<std::string> violation =
+        include->quoted ? project_include_violation(plan, folder, include->header)
+                        : library_include_violation(plan.at(folder), include->header);
+    if (violation) {
+      violations.push_back("line " + std::to_string(number) + ": " + include->header + " " +
+                           *violation);
     }
   }
-  return complaints;
+  return violations;
 }
 
 }  // namespace stillkite::house

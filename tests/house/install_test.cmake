@@ -1,6 +1,6 @@
 # Installs BUILD_DIR under WORK_DIR, then configures, builds and runs CONSUMER_DIR and EXAMPLES_DIR
-# against nothing but that installation; the example on a flight that the installed command made of
-# FLIGHT_CONFIG.
+# against that installation only. The example's input is a flight of FLIGHT_CONFIG, simulated by the
+# installed command.
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()

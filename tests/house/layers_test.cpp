@@ -23,34 +23,34 @@ bool is_source(const fs::path& file) {
   return file.extension() == ".hpp" || file.extension() == ".cpp";
 }
 
-FloorPlan plan_of_the_house() {
+FloorPlan project_floor_plan() {
   return parse_floor_plan(text_of(kRoot / "docs/architecture.md"));
 }
 
-TEST(layers, every_include_obeys_the_floor_plan) {
-  const FloorPlan plan = plan_of_the_house();
+TEST(Layers, EveryIncludeObeysTheFloorPlan) {
+  const FloorPlan plan = project_floor_plan();
   int sources = 0;
   for (const auto& [folder, floor] : plan) {
     if (!fs::exists(kRoot / folder)) continue;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kRoot / folder)) {
       if (!is_source(entry.path())) continue;
       ++sources;
-      for (const std::string& complaint : forbidden_includes(plan, folder, text_of(entry.path()))) {
-        ADD_FAILURE() << fs::relative(entry.path(), kRoot).string() << " " << complaint;
+      for (const std::string& violation : forbidden_includes(plan, folder, text_of(entry.path()))) {
+        ADD_FAILURE() << fs::relative(entry.path(), kRoot).string() << " " << violation;
       }
     }
   }
   EXPECT_GT(sources, 0);
 }
 
-// estimation/two_view/homography.cpp: "two_view"; estimation/verdict.hpp: "".
+// Wing of a file: "two_view" for estimation/two_view/homography.cpp, "" for estimation/verdict.hpp.
 std::string wing_of(const fs::path& file, const std::string& folder) {
   const fs::path inside = fs::relative(file, kRoot / folder);
   return inside.has_parent_path() ? inside.begin()->string() : "";
 }
 
-TEST(layers, EveryIncludeBetweenWingsObeysTheWingPlan) {
-  const FloorPlan plan = plan_of_the_house();
+TEST(Layers, EveryIncludeBetweenWingsObeysTheWingPlan) {
+  const FloorPlan plan = project_floor_plan();
   const WingPlan wings = parse_wing_plan(text_of(kRoot / "docs/architecture.md"));
   ASSERT_TRUE(wings.contains("estimation/two_view"));
   for (const auto& [folder, floor] : plan) {
@@ -60,31 +60,31 @@ TEST(layers, EveryIncludeBetweenWingsObeysTheWingPlan) {
       const std::string wing = wing_of(entry.path(), folder);
       EXPECT_TRUE(wing.empty() || wings.contains(folder + "/" + wing))
           << folder << "/" << wing << "/ is missing in docs/architecture.md";
-      for (const std::string& complaint :
+      for (const std::string& violation :
            forbidden_wing_includes(wings, folder, wing, text_of(entry.path()))) {
-        ADD_FAILURE() << fs::relative(entry.path(), kRoot).string() << " " << complaint;
+        ADD_FAILURE() << fs::relative(entry.path(), kRoot).string() << " " << violation;
       }
     }
   }
 }
 
-TEST(layers, AWingIncludesItselfItsFolderAndTheWingsItNames) {
+TEST(Layers, WingMayIncludeItselfItsFolderAndListedWings) {
   const WingPlan plan = parse_wing_plan(
       "| wing | contents | may include |\n"
       "| `numbers/sums/` | sums | |\n"
       "| `numbers/means/` | means | `sums/` |\n");
-  const auto complaints = [&](const std::string& wing, const std::string& include) {
+  const auto violations = [&](const std::string& wing, const std::string& include) {
     return forbidden_wing_includes(plan, "numbers", wing, "#include \"" + include + "\"\n").size();
   };
-  EXPECT_EQ(complaints("means", "numbers/sums/a.hpp"), 0U);
-  EXPECT_EQ(complaints("means", "numbers/means/a.hpp"), 0U);
-  EXPECT_EQ(complaints("means", "numbers/a.hpp"), 0U);
-  EXPECT_EQ(complaints("sums", "numbers/means/a.hpp"), 1U);
-  EXPECT_EQ(complaints("", "numbers/sums/a.hpp"), 1U);
+  EXPECT_EQ(violations("means", "numbers/sums/a.hpp"), 0U);
+  EXPECT_EQ(violations("means", "numbers/means/a.hpp"), 0U);
+  EXPECT_EQ(violations("means", "numbers/a.hpp"), 0U);
+  EXPECT_EQ(violations("sums", "numbers/means/a.hpp"), 1U);
+  EXPECT_EQ(violations("", "numbers/sums/a.hpp"), 1U);
 }
 
-TEST(layers, every_folder_with_a_library_is_in_the_floor_plan) {
-  const FloorPlan plan = plan_of_the_house();
+TEST(Layers, EveryLibraryFolderIsInTheFloorPlan) {
+  const FloorPlan plan = project_floor_plan();
   for (const fs::directory_entry& entry : fs::directory_iterator(kRoot)) {
     const std::string folder = entry.path().filename();
     if (folder == "tests" || folder == "bench" || folder == "examples" ||
@@ -105,13 +105,13 @@ class FloorPlanRules : public testing::Test {
       "| 1 | `right/` | numbers | `Eigen/` |\n"
       "| 0 | `ground/` | values | |\n");
 
-  [[nodiscard]] std::vector<std::string> complaints(const std::string& folder,
+  [[nodiscard]] std::vector<std::string> violations(const std::string& folder,
                                                     const std::string& include) const {
     return forbidden_includes(plan, folder, "// a comment\n#include " + include + "\n");
   }
 };
 
-TEST_F(FloorPlanRules, reads_levels_and_libraries) {
+TEST_F(FloorPlanRules, ParsesLevelsAndLibraries) {
   ASSERT_EQ(plan.size(), 4U);
   EXPECT_EQ(plan.at("left").level, 1);
   EXPECT_EQ(plan.at("left").library_prefixes, (std::vector<std::string>{"Eigen/", "opencv2/core"}));
@@ -119,28 +119,28 @@ TEST_F(FloorPlanRules, reads_levels_and_libraries) {
   EXPECT_FALSE(plan.at("ground").includes_everything);
 }
 
-TEST_F(FloorPlanRules, down_own_folder_and_standard_library_are_free) {
-  EXPECT_TRUE(complaints("left", "\"ground/a.hpp\"").empty());
-  EXPECT_TRUE(complaints("left", "\"left/a.hpp\"").empty());
-  EXPECT_TRUE(complaints("ground", "<vector>").empty());
-  EXPECT_TRUE(complaints("ground", "<unistd.h>").empty());
+TEST_F(FloorPlanRules, PermitsLowerFloorsOwnFolderAndStandardLibrary) {
+  EXPECT_TRUE(violations("left", "\"ground/a.hpp\"").empty());
+  EXPECT_TRUE(violations("left", "\"left/a.hpp\"").empty());
+  EXPECT_TRUE(violations("ground", "<vector>").empty());
+  EXPECT_TRUE(violations("ground", "<unistd.h>").empty());
 }
 
-TEST_F(FloorPlanRules, up_and_sideways_are_forbidden) {
-  EXPECT_EQ(complaints("ground", "\"left/a.hpp\""),
-            std::vector<std::string>{"line 2: left/a.hpp points up"});
-  EXPECT_EQ(complaints("left", "\"right/a.hpp\""),
-            std::vector<std::string>{"line 2: right/a.hpp points sideways"});
-  EXPECT_EQ(complaints("left", "\"cellar/a.hpp\"").size(), 1U);
+TEST_F(FloorPlanRules, ForbidsHigherAndSameFloor) {
+  EXPECT_EQ(violations("ground", "\"left/a.hpp\""),
+            std::vector<std::string>{"line 2: left/a.hpp is on a higher floor"});
+  EXPECT_EQ(violations("left", "\"right/a.hpp\""),
+            std::vector<std::string>{"line 2: right/a.hpp is on the same floor"});
+  EXPECT_EQ(violations("left", "\"cellar/a.hpp\"").size(), 1U);
 }
 
-TEST_F(FloorPlanRules, libraries_are_forbidden_unless_named) {
-  EXPECT_TRUE(complaints("left", "<opencv2/core/mat.hpp>").empty());
-  EXPECT_TRUE(complaints("top", "<yaml-cpp/yaml.h>").empty());
-  EXPECT_EQ(complaints("left", "<opencv2/video.hpp>"),
+TEST_F(FloorPlanRules, ForbidsUnlistedLibraries) {
+  EXPECT_TRUE(violations("left", "<opencv2/core/mat.hpp>").empty());
+  EXPECT_TRUE(violations("top", "<yaml-cpp/yaml.h>").empty());
+  EXPECT_EQ(violations("left", "<opencv2/video.hpp>"),
             std::vector<std::string>{"line 2: opencv2/video.hpp is not permitted on this floor"});
-  EXPECT_EQ(complaints("right", "<opencv2/core.hpp>").size(), 1U);
-  EXPECT_EQ(complaints("ground", "<Eigen/Core>").size(), 1U);
+  EXPECT_EQ(violations("right", "<opencv2/core.hpp>").size(), 1U);
+  EXPECT_EQ(violations("ground", "<Eigen/Core>").size(), 1U);
 }
 
 }  // namespace

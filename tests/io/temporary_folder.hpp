@@ -11,7 +11,7 @@
 
 namespace stillkite {
 
-/// A fresh folder that goes away with the test.
+/// Temporary folder, removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -34,7 +34,7 @@ class TemporaryFolder {
     std::ofstream(where, std::ios::binary) << text;
   }
 
-  /// Writes a file and gives its path.
+  /// Writes a file and returns its path.
   [[nodiscard]] std::filesystem::path file(const std::string& name, const std::string& text) const {
     write(name, text);
     return path_ / name;
@@ -44,7 +44,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// The message of the InputError that the call throws, the folder's path taken out of it.
+/// Message of the InputError thrown by the call, without the path of the folder; else "accepted".
 template <typename Call>
 std::string input_error_of(const TemporaryFolder& folder, Call&& call) {
   try {

@@ -26,7 +26,7 @@ bool is_finite(const NavigationEstimate& e) {
          std::isfinite(e.quality.inlier_ratio) && std::isfinite(e.scale_age_s);
 }
 
-// Mahalanobis distance of the position, squared: 3 degrees of freedom.
+// NEES of the position, 3 degrees of freedom.
 double position_nees(const NavigationEstimate& e, const RigidTransform& truth) {
   const Eigen::Vector3d error = e.world_from_body.translation - truth.translation;
   const Eigen::Matrix3d P = e.pose_covariance.topLeftCorner<3, 3>();
@@ -35,9 +35,9 @@ double position_nees(const NavigationEstimate& e, const RigidTransform& truth) {
 
 struct Fault {
   const char* name;
-  std::function<cv::Mat(const cv::Mat&)> spoil;
-  bool pairs_may_align = false;  // two such images show their motion to each other
-  bool may_align = false;        // a new keyframe among them does
+  std::function<cv::Mat(const cv::Mat&)> apply;
+  bool pairs_may_align = false;  // consecutive faulty images align
+  bool may_align = false;        // faulty images align to a keyframe among them
 };
 
 void PrintTo(const Fault& fault, std::ostream* out) {
@@ -83,7 +83,7 @@ const Fault kFaults[] = {
 
 class BadFrames : public testing::TestWithParam<std::tuple<Mode, Fault>> {};
 
-TEST_P(BadFrames, GetAVerdictAndAGrowingCovarianceAndThenItGoesOn) {
+TEST_P(BadFrames, AreRejectedWithGrowingCovarianceAndRecover) {
   const auto& [mode, fault] = GetParam();
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator({}, mode);
@@ -91,7 +91,7 @@ TEST_P(BadFrames, GetAVerdictAndAGrowingCovarianceAndThenItGoesOn) {
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     Frame frame = flight.frames[i];
     const bool bad = i >= kFirstBad && i < kFirstGood;
-    if (bad) frame.grey = fault.spoil(frame.grey);
+    if (bad) frame.grey = fault.apply(frame.grey);
     const NavigationEstimate e = navigator.step(frame);
     ASSERT_TRUE(is_finite(e)) << i;
     const double now = e.pose_covariance.topLeftCorner<3, 3>().trace();
@@ -119,9 +119,9 @@ INSTANTIATE_TEST_SUITE_P(Navigator, BadFrames,
                                   std::get<1>(test.param).name;
                          });
 
-class BadTimes : public testing::TestWithParam<Mode> {};
+class BadTimestamps : public testing::TestWithParam<Mode> {};
 
-TEST_P(BadTimes, FrozenImageMeasuresNothing) {
+TEST_P(BadTimestamps, RejectsFrozenImage) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator({}, GetParam());
   double variance = 0;
@@ -134,13 +134,13 @@ TEST_P(BadTimes, FrozenImageMeasuresNothing) {
     if (frozen) {
       EXPECT_EQ(e.verdict, Verdict::frozen);
       EXPECT_GT(now, variance);
-      EXPECT_GT(e.velocity_in_world_m_s.norm(), 2);  // it flies on
+      EXPECT_GT(e.velocity_in_world_m_s.norm(), 2);  // velocity is predicted
     }
     variance = now;
   }
 }
 
-TEST_P(BadTimes, StampThatGoesBackIsNoTime) {
+TEST_P(BadTimestamps, RejectsDescendingStamp) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator({}, GetParam());
   for (std::size_t i = 0; i < kFirstBad; ++i) (void)navigator.step(flight.frames[i]);
@@ -152,7 +152,7 @@ TEST_P(BadTimes, StampThatGoesBackIsNoTime) {
   EXPECT_EQ(e.verdict, Verdict::ok);
 }
 
-TEST_P(BadTimes, NothingIsIntegratedAcrossALongGap) {
+TEST_P(BadTimestamps, DoesNotIntegrateAcrossLongGap) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator({}, GetParam());
   NavigationEstimate before;
@@ -164,13 +164,14 @@ TEST_P(BadTimes, NothingIsIntegratedAcrossALongGap) {
     const NavigationEstimate e = navigator.step(late);
     ASSERT_TRUE(is_finite(e));
     EXPECT_EQ(e.verdict, i == kFirstBad ? Verdict::time_gap : Verdict::ok) << i;
-    const Eigen::Vector3d way = e.world_from_body.translation - before.world_from_body.translation;
-    EXPECT_LT(way.norm(), 25);
+    const Eigen::Vector3d displacement_m =
+        e.world_from_body.translation - before.world_from_body.translation;
+    EXPECT_LT(displacement_m.norm(), 25);
     EXPECT_GT(e.pose_covariance(0, 0), 1e6);
   }
 }
 
-TEST_P(BadTimes, ImageOfAnotherSizeIsAnInputError) {
+TEST_P(BadTimestamps, ThrowsOnWrongImageSize) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator({}, GetParam());
   Frame small = flight.frames[0];
@@ -178,11 +179,11 @@ TEST_P(BadTimes, ImageOfAnotherSizeIsAnInputError) {
   EXPECT_THROW((void)navigator.step(small), InputError);
 }
 
-INSTANTIATE_TEST_SUITE_P(Navigator, BadTimes, testing::Values(Mode::paper, Mode::recommended),
+INSTANTIATE_TEST_SUITE_P(Navigator, BadTimestamps, testing::Values(Mode::paper, Mode::recommended),
                          [](const auto& mode) { return std::string(name_of(mode.param)); });
 
-// What the next one must move by at least a fifth of, also right after a new keyframe.
-TEST(BadFrame, ImageSpeedAfterFrozenImagesIsThatOfAllTheirWay) {
+// Input of the frozen test: a fifth of it is the minimum motion, also right after a new keyframe.
+TEST(BadFrame, ImageSpeedAfterFrozenImagesCoversTheirDisplacement) {
   const auto& flight = rendered_flight();
   bool has_renewed = false;
   for (std::size_t first = 12; first < 36; ++first) {
@@ -200,34 +201,34 @@ TEST(BadFrame, ImageSpeedAfterFrozenImagesIsThatOfAllTheirWay) {
   EXPECT_TRUE(has_renewed);
 }
 
-// A recording that has lost images, and whose stamps do not tell: the camera leaps by 2.4 m.
-TEST(BadFrame, LeapIsNoSpeed) {
+// Lost images without a gap in the stamps: the camera jumps by 2.4 m.
+TEST(BadFrame, PositionJumpResetsVelocity) {
   const auto& flight = rendered_flight();
-  constexpr std::size_t kCut = 30;
-  constexpr std::size_t kLost = 10;
+  constexpr std::size_t kFirstShifted = 30;
+  constexpr std::size_t kLostFrames = 10;
   for (const Policy policy : {Policy::flow, Policy::best, Policy::fused}) {
     SCOPED_TRACE(name_of(policy));
     Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, flight.start(),
                         {.policy = policy});
-    for (std::size_t i = 0; i + kLost < flight.frames.size(); ++i) {
-      const std::size_t shown = i < kCut ? i : i + kLost;
+    for (std::size_t i = 0; i + kLostFrames < flight.frames.size(); ++i) {
+      const std::size_t shown = i < kFirstShifted ? i : i + kLostFrames;
       const Frame frame{flight.frames[i].stamp, flight.frames[i].index, flight.frames[shown].grey};
       const NavigationEstimate e = navigator.step(frame);
-      if (i < kCut - 1) continue;
+      if (i < kFirstShifted - 1) continue;
       EXPECT_LT(e.velocity_in_world_m_s.norm(), 10) << i;
-      if (i == kCut) {
-        EXPECT_GT(e.twist_covariance(0, 0), 4) << "how fast it is nobody knows";
+      if (i == kFirstShifted) {
+        EXPECT_GT(e.twist_covariance(0, 0), 4) << "velocity is not observed";
       }
-      if (i <= kCut + 1) continue;
-      const Eigen::Vector3d off = e.world_from_body.translation - flight.truth(shown).translation;
-      EXPECT_LT(off.norm(), 0.15) << i;
+      if (i <= kFirstShifted + 1) continue;
+      const Eigen::Vector3d error = e.world_from_body.translation - flight.truth(shown).translation;
+      EXPECT_LT(error.norm(), 0.15) << i;
       EXPECT_LT(position_nees(e, flight.truth(shown)), 25) << i;
     }
   }
 }
 
-// Whatever the motion before: the sums over a bare image leave nothing but their rounding.
-TEST(BadFrame, ABareImageIsNoAnswerWheneverItComes) {
+// The sums over a textureless image contain rounding errors only.
+TEST(BadFrame, RejectsTexturelessImageAtAnyTime) {
   const auto& flight = rendered_flight();
   for (const Policy policy : {Policy::flow, Policy::reference}) {
     for (const double grey : {0.0, 77.0, 255.0}) {
@@ -236,10 +237,10 @@ TEST(BadFrame, ABareImageIsNoAnswerWheneverItComes) {
                             flight.start(), {.policy = policy});
         for (std::size_t i = 0; i < flight.frames.size(); ++i) {
           Frame frame = flight.frames[i];
-          const bool is_bare = i >= first && (i - first) % 3 == 0;
-          if (is_bare) frame.grey = cv::Mat(frame.grey.size(), CV_8UC1, cv::Scalar(grey));
+          const bool is_textureless = i >= first && (i - first) % 3 == 0;
+          if (is_textureless) frame.grey = cv::Mat(frame.grey.size(), CV_8UC1, cv::Scalar(grey));
           const Verdict verdict = navigator.step(frame).verdict;
-          if (is_bare) {
+          if (is_textureless) {
             EXPECT_NE(verdict, Verdict::ok) << i << ' ' << grey;
           }
         }
@@ -248,7 +249,7 @@ TEST(BadFrame, ABareImageIsNoAnswerWheneverItComes) {
   }
 }
 
-TEST(BadFrame, BareFirstImageIsReplacedByTheNext) {
+TEST(BadFrame, ReplacesTexturelessFirstImage) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator();
   Frame black = flight.frames[0];
@@ -260,7 +261,7 @@ TEST(BadFrame, BareFirstImageIsReplacedByTheNext) {
   }
 }
 
-TEST(BadFrame, StepOfExposureIsSurvived) {
+TEST(BadFrame, ToleratesExposureStep) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator();
   NavigationEstimate e;
@@ -276,9 +277,9 @@ TEST(BadFrame, StepOfExposureIsSurvived) {
   EXPECT_LT((e.world_from_body.translation - truth.translation).norm(), 0.05);
 }
 
-// Three seconds in the dark, longer than a speed is worth anything: the flight goes on where it
-// was, which the covariance has to allow.
-TEST(BadFrame, CoveredCameraFindsItsWayBack) {
+// Three seconds in the dark, longer than `max_gap_s`: the flight resumes at the former position,
+// within the covariance.
+TEST(BadFrame, RecoversAfterOcclusion) {
   const auto& flight = rendered_flight();
   Navigator navigator = flight.navigator();
   std::int64_t ns = 0;
@@ -304,14 +305,14 @@ TEST(BadFrame, CoveredCameraFindsItsWayBack) {
   }
 }
 
-// After a second and a half of the same image, a third of it further on.
-TEST(BadFrame, FarKeyframeIsFoundAgainWhereItIs) {
+// After 1.5 s of a repeated image the view has moved by a third of the image.
+TEST(BadFrame, RelocalizesDistantKeyframe) {
   double nees = 0;
   int found = 0;
   for (const int seed : {1, 2, 3, 4}) {
     SimulationConfig config = test::small_flight(seed);
     config.flight.height_m = 20;
-    const test::RenderedFlight flight = test::film(config);
+    const test::RenderedFlight flight = test::render_flight(config);
     Navigator navigator = flight.navigator();
     const std::size_t last = flight.frames.size() - 1;
     for (std::size_t i = 0; i < last; ++i) {
@@ -328,23 +329,23 @@ TEST(BadFrame, FarKeyframeIsFoundAgainWhereItIs) {
   EXPECT_LT(nees / found, 10);
 }
 
-// Every window of a ground that moves by itself goes its own way.
-TEST(MovingGround, IsNotTakenForMotion) {
+// Tiles on non-rigid ground have independent flow.
+TEST(MovingGround, RejectsNonRigidFlow) {
   const cv::Mat still = rendered_flight().frames[0].grey;
   Navigator navigator = rendered_flight().navigator();
   cv::RNG random(3);
   for (int i = 0; i < 20; ++i) {
-    cv::Mat x, y, waves(still.rows / 40, still.cols / 40, CV_32FC2);
-    random.fill(waves, cv::RNG::NORMAL, 0, 1.0);
-    cv::resize(waves, waves, still.size(), 0, 0, cv::INTER_CUBIC);
-    for (int row = 0; row < waves.rows; ++row) {
-      for (int column = 0; column < waves.cols; ++column) {
-        waves.at<cv::Vec2f>(row, column) +=
+    cv::Mat x, y, displacements_px(still.rows / 40, still.cols / 40, CV_32FC2);
+    random.fill(displacements_px, cv::RNG::NORMAL, 0, 1.0);
+    cv::resize(displacements_px, displacements_px, still.size(), 0, 0, cv::INTER_CUBIC);
+    for (int row = 0; row < displacements_px.rows; ++row) {
+      for (int column = 0; column < displacements_px.cols; ++column) {
+        displacements_px.at<cv::Vec2f>(row, column) +=
             cv::Vec2f(static_cast<float>(column), static_cast<float>(row));
       }
     }
     cv::Mat grey;
-    cv::remap(still, grey, waves, {}, cv::INTER_CUBIC, cv::BORDER_REFLECT);
+    cv::remap(still, grey, displacements_px, {}, cv::INTER_CUBIC, cv::BORDER_REFLECT);
     const NavigationEstimate e = navigator.step({from_seconds(0.04 * i), i, grey});
     ASSERT_TRUE(is_finite(e));
     if (i > 0) {
@@ -353,8 +354,8 @@ TEST(MovingGround, IsNotTakenForMotion) {
   }
 }
 
-// Hills of 3 m under 30 m are rigid: what parts the windows is the camera's way.
-TEST(MovingGround, ReliefIsNone) {
+// Hills of 3 m at 30 m are rigid: the tiles' deviation is parallax of the camera's translation.
+TEST(MovingGround, AcceptsRigidRelief) {
   SimulationConfig config = test::small_flight(1);
   config.flight.duration_s = 1;
   config.flight.height_m = 30;
@@ -364,13 +365,13 @@ TEST(MovingGround, ReliefIsNone) {
   config.flight.sway_m = 0;
   config.ground.relief.amplitude_m = 3;
   config.ground.relief.correlation_length_m = 15;
-  const test::RenderedFlight flight = test::film(config);
+  const test::RenderedFlight flight = test::render_flight(config);
   const auto estimates = test::fly(flight.navigator(), flight.frames);
   for (std::size_t i = 1; i < estimates.size(); ++i) EXPECT_EQ(estimates[i].verdict, Verdict::ok);
 }
 
-// A drone over surf, at full size and at half of it: there is no truth, but waves are no ground.
-TEST(MovingGround, SurfIsRefused) {
+// Drone over surf, at full and half resolution. No ground truth; waves are not rigid.
+TEST(MovingGround, RejectsSurf) {
   const char* data = std::getenv("STILLKITE_DATA");
   if (data == nullptr || *data == '\0') GTEST_SKIP() << "STILLKITE_DATA is not set";
   const std::filesystem::path folder = std::filesystem::path(data) / "surf";

@@ -26,11 +26,11 @@ Navigator best_over_ground(Mode mode = Mode::recommended) {
           {.policy = Policy::best, .mode = mode}};
 }
 
-Frame blinded(const Frame& frame) {
+Frame occluded(const Frame& frame) {
   return {frame.stamp, frame.index, cv::Mat::zeros(frame.grey.size(), CV_8UC1)};
 }
 
-TEST(BestNavigator, GoesWithTheFlowInMetresOverFlatGround) {
+TEST(BestNavigator, SelectsMetricFlowOverFlatGround) {
   const test::RenderedFlight& flight = rendered_flight();
   Navigator navigator = best_over_ground();
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
@@ -45,17 +45,17 @@ TEST(BestNavigator, GoesWithTheFlowInMetresOverFlatGround) {
   }
 }
 
-// Either is lost, whoever speaks, and then the flight goes on where it is.
-TEST(BestNavigator, GoesOnAfterTheCameraWasCovered) {
+// Both estimators are lost during the occlusion and recover after it.
+TEST(BestNavigator, RecoversAfterOcclusion) {
   const test::RenderedFlight& flight = rendered_flight();
   Navigator navigator = best_over_ground();
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
-    const bool is_covered = i >= 20 && i < 26;
+    const bool is_occluded = i >= 20 && i < 26;
     const NavigationEstimate estimate =
-        navigator.step(is_covered ? blinded(flight.frames[i]) : flight.frames[i]);
+        navigator.step(is_occluded ? occluded(flight.frames[i]) : flight.frames[i]);
     EXPECT_TRUE(estimate.world_from_body.translation.allFinite());
     if (i > 0 && i < 26) {
-      EXPECT_EQ(estimate.verdict == Verdict::ok, !is_covered) << i;
+      EXPECT_EQ(estimate.verdict == Verdict::ok, !is_occluded) << i;
     }
     if (i < 28) continue;
     EXPECT_EQ(estimate.verdict, Verdict::ok) << i;
@@ -69,16 +69,16 @@ TEST(BestNavigator, GoesOnAfterTheCameraWasCovered) {
   }
 }
 
-TEST(BestNavigator, RunsThePapersFlowInItsMode) {
+TEST(BestNavigator, RunsPaperFlowInPaperMode) {
   Navigator navigator = best_over_ground(Mode::paper);
   for (std::size_t i = 0; i < 4; ++i) {
     const NavigationEstimate estimate = navigator.step(rendered_flight().frames[i]);
     EXPECT_EQ(estimate.source, EstimateSource::flow) << i;
-    EXPECT_EQ(estimate.measured_twist.has_value(), i > 0) << "as only the paper's mode has it";
+    EXPECT_EQ(estimate.measured_twist.has_value(), i > 0) << "set in mode paper only";
   }
 }
 
-/// A level body that sways across the view of a room, and turns a little.
+/// Level body swaying laterally in a room, with a small yaw.
 class SwayInRoom {
  public:
   [[nodiscard]] static RigidTransform pose(int frame) {
@@ -88,9 +88,9 @@ class SwayInRoom {
             Eigen::Vector3d(0, 0.25 * (1 - std::cos(phase)), 3)};
   }
 
-  NavigationEstimate step(bool is_covered = false) {
+  NavigationEstimate step(bool is_occluded = false) {
     cv::Mat image = cv::Mat::zeros(240, 400, CV_8UC1);
-    if (!is_covered) {
+    if (!is_occluded) {
       image = develop(renderer_.render(scene_, pose(index_) * mount_), {.noise_grey = 1.5},
                       static_cast<std::uint64_t>(index_));
     }
@@ -116,8 +116,8 @@ double attitude_error_deg(const NavigationEstimate& estimate) {
   return angle_between_rad(estimate.world_from_body.rotation, truth.rotation) / kDegree;
 }
 
-// The flow takes a room for flat ground: its metres are wrong, its verdict is ok all the same.
-TEST(BestNavigator, GoesWithTheReferenceInARoom) {
+// The flow assumes flat ground: in a room its scale is wrong although its verdict is ok.
+TEST(BestNavigator, SelectsReferenceInRoom) {
   SwayInRoom flight;
   for (int i = 0; i < 60; ++i) {
     const NavigationEstimate estimate = flight.step();
@@ -128,8 +128,8 @@ TEST(BestNavigator, GoesWithTheReferenceInARoom) {
   }
 }
 
-// Until depth shows, the flow's way in a room is wrong by up to as much as it is.
-TEST(BestNavigator, DoubtsItsFirstMetresInARoom) {
+// Until depth is observed, the displacement error may be as large as the displacement.
+TEST(BestNavigator, InflatesCovarianceUntilRoomDepthIsObserved) {
   constexpr double kHeight_m = 3;
   SwayInRoom flight;
   const auto sigma = [](const Matrix6d& covariance, int first) {
@@ -141,26 +141,27 @@ TEST(BestNavigator, DoubtsItsFirstMetresInARoom) {
     if (i == 0 || estimate.source != EstimateSource::flow) continue;
     ++by_flow;
     const RigidTransform truth = SwayInRoom::pose(i);
-    const double way_m =
+    const double displacement_m =
         (estimate.world_from_body.translation - SwayInRoom::pose(0).translation).norm();
     const double speed_m_s = estimate.twist_in_camera.velocity_m_s.norm();
-    EXPECT_GE(sigma(estimate.pose_covariance, 0), way_m) << i;
-    EXPECT_GE(sigma(estimate.pose_covariance, 3), way_m / kHeight_m) << i;
+    EXPECT_GE(sigma(estimate.pose_covariance, 0), displacement_m) << i;
+    EXPECT_GE(sigma(estimate.pose_covariance, 3), displacement_m / kHeight_m) << i;
     EXPECT_GE(sigma(estimate.twist_covariance, 0), speed_m_s) << i;
     EXPECT_GE(sigma(estimate.twist_covariance, 3), speed_m_s / kHeight_m) << i;
-    const double turned_rad = angle_between_rad(estimate.world_from_body.rotation, truth.rotation);
-    EXPECT_LT(turned_rad, 3 * sigma(estimate.pose_covariance, 3)) << i;
+    const double rotation_error_rad =
+        angle_between_rad(estimate.world_from_body.rotation, truth.rotation);
+    EXPECT_LT(rotation_error_rad, 3 * sigma(estimate.pose_covariance, 3)) << i;
   }
   EXPECT_GT(by_flow, 3);
 }
 
-TEST(BestNavigator, ACoverInARoomLeavesNoJump) {
+TEST(BestNavigator, OcclusionInRoomLeavesNoAttitudeJump) {
   SwayInRoom flight;
   for (int i = 0; i < 30; ++i) (void)flight.step();
   for (int i = 0; i < 6; ++i) {
-    const NavigationEstimate covered = flight.step(true);
-    EXPECT_NE(covered.verdict, Verdict::ok);
-    EXPECT_LT(attitude_error_deg(covered), 3);
+    const NavigationEstimate occluded_estimate = flight.step(true);
+    EXPECT_NE(occluded_estimate.verdict, Verdict::ok);
+    EXPECT_LT(attitude_error_deg(occluded_estimate), 3);
   }
   for (int i = 0; i < 10; ++i) {
     const NavigationEstimate estimate = flight.step();

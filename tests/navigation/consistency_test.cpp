@@ -2,9 +2,9 @@
 
 #include "tests/navigation/rendered_flight.hpp"
 
-// Are errors as large as the covariance says? NEES over flights with grounds, noise and ways of
-// their own; 3 for an honest covariance of three axes, known here to a factor of two for the errors
-// of one flight's frames are alike.
+// Covariance consistency: NEES over flights with different grounds, noise and trajectories.
+// Expected value 3 for three axes, here within a factor of four: errors within a flight are
+// correlated.
 
 namespace stillkite {
 namespace {
@@ -22,7 +22,7 @@ double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
 }
 
 void add_flight(int seed, Nees& sum) {
-  const test::RenderedFlight flight = test::film(test::small_flight(seed));
+  const test::RenderedFlight flight = test::render_flight(test::small_flight(seed));
   const auto estimates = fly(flight.navigator(), flight.frames);
   for (std::size_t i = 5; i < estimates.size(); ++i) {
     ASSERT_EQ(estimates[i].verdict, Verdict::ok);
@@ -36,7 +36,7 @@ void add_flight(int seed, Nees& sum) {
   }
 }
 
-TEST(Consistency, TwistErrsAsItsCovarianceSays) {
+TEST(Consistency, TwistNeesMatchesCovariance) {
   Nees sum;
   for (const int seed : {1, 2, 3, 4, 5, 6}) add_flight(seed, sum);
   const double velocity = sum.velocity / sum.frames;

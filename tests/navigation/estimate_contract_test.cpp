@@ -9,31 +9,31 @@
 #include "evaluation/chi_square.hpp"
 #include "geometry/angle.hpp"
 #include "tests/navigation/estimate_error.hpp"
-#include "tests/navigation/known_flight.hpp"
+#include "tests/navigation/prescribed_flight.hpp"
 
-// One contract for all estimators: whoever looks at the images, the controller is told the same
-// motion in the same frame, sign and unit, or the status that docs/choice.md names.
+// One contract for all estimators: the same motion in the same frame, sign and unit, or the status
+// specified in docs/hold_control.md.
 
 namespace stillkite {
 namespace {
 
 using test::ContractEstimator;
-using test::kLast;
+using test::kLastFrame;
 using test::kMotions;
-using test::KnownFlight;
-using test::KnownMotion;
+using test::kRotation_rad;
 using test::kTolerance;
-using test::kTurn_rad;
-using test::kWay_m;
+using test::kTranslation_m;
+using test::PrescribedFlight;
+using test::PrescribedMotion;
 
-// What each of them promises of flat ground: docs/choice.md.
-struct Promise {
+// Specified results over flat ground: docs/hold_control.md.
+struct Expected {
   EstimateSource source;
   DisplacementKind kind;
   ScaleSource scale;
-  EstimateStatus blind;
+  EstimateStatus unmeasured;
 };
-Promise promise_of(Policy policy) {
+Expected expected_of(Policy policy) {
   constexpr auto kMetric = DisplacementKind::metric;
   constexpr auto kHeight = ScaleSource::initial_height;
   switch (policy) {
@@ -68,32 +68,32 @@ void expect_numbers(const MotionEstimate& answer) {
 
 class EstimateContract : public testing::TestWithParam<Policy> {};
 
-TEST_P(EstimateContract, KnownMotionIsToldInFrameSignAndUnit) {
-  const Promise promise = promise_of(GetParam());
-  for (const KnownMotion& motion : kMotions) {
+TEST_P(EstimateContract, EstimatesPrescribedMotionInFrameSignAndUnit) {
+  const Expected expected = expected_of(GetParam());
+  for (const PrescribedMotion& motion : kMotions) {
     SCOPED_TRACE(motion.name);
-    const KnownFlight flight(motion);
+    const PrescribedFlight flight(motion);
     ContractEstimator estimator(GetParam(), flight.world_from_body_at_start());
     MotionEstimate answer;
-    for (int i = 0; i <= kLast; ++i) {
+    for (int i = 0; i <= kLastFrame; ++i) {
       const Frame frame = flight.frame(i);
       answer = estimator.step(frame);
       expect_numbers(answer);
       EXPECT_EQ(answer.status, EstimateStatus::ok) << i;
       EXPECT_EQ(answer.stamp, frame.stamp);
     }
-    const RigidTransform truth = flight.reference_from_camera(kLast);
-    EXPECT_EQ(answer.source, promise.source);
-    EXPECT_EQ(answer.displacement_kind, promise.kind);
-    EXPECT_EQ(answer.scale, promise.scale);
+    const RigidTransform truth = flight.reference_from_camera(kLastFrame);
+    EXPECT_EQ(answer.source, expected.source);
+    EXPECT_EQ(answer.displacement_kind, expected.kind);
+    EXPECT_EQ(answer.scale, expected.scale);
     EXPECT_LT(test::rotation_error(answer, truth).norm(), kTolerance.rotation_rad);
     EXPECT_LT(test::direction_error_rad(answer, truth), kTolerance.direction_rad);
-    const bool is_metric = promise.kind == DisplacementKind::metric;
-    const double length = is_metric ? kWay_m : 1;
+    const bool is_metric = expected.kind == DisplacementKind::metric;
+    const double length = is_metric ? kTranslation_m : 1;
     EXPECT_NEAR(answer.displacement_in_reference.norm(), length, length * kTolerance.length_ratio);
-    const double age_s = is_metric ? kLast / KnownFlight::kFramesPerSecond : 0;
+    const double age_s = is_metric ? kLastFrame / PrescribedFlight::kFramesPerSecond : 0;
     EXPECT_NEAR(answer.scale_age_s, age_s, 1e-6);
-    const Twist twist = flight.mean_twist_in_camera(kLast);
+    const Twist twist = flight.mean_twist_in_camera(kLastFrame);
     ASSERT_TRUE(answer.twist_in_camera);
     EXPECT_LT((answer.twist_in_camera->angular_rate_rad_s - twist.angular_rate_rad_s).norm(),
               kTolerance.rate_rad_s);
@@ -103,63 +103,64 @@ TEST_P(EstimateContract, KnownMotionIsToldInFrameSignAndUnit) {
   }
 }
 
-TEST_P(EstimateContract, APureTurnIsNoWay) {
-  const double three_sigma_squared = chi_square_quantile(0.9973, 3);
+TEST_P(EstimateContract, PureRotationHasNoTranslation) {
+  const double max_nees = chi_square_quantile(0.9973, 3);
   for (int axis = 0; axis < 3; ++axis) {
     SCOPED_TRACE(axis);
-    const KnownFlight flight(
-        {.name = "turn", .turn_in_reference_rad = kTurn_rad * Eigen::Vector3d::Unit(axis)});
+    const PrescribedFlight flight(
+        {.name = "rotation",
+         .rotation_in_reference_rad = kRotation_rad * Eigen::Vector3d::Unit(axis)});
     ContractEstimator estimator(GetParam(), flight.world_from_body_at_start());
     MotionEstimate answer;
-    for (int i = 0; i <= kLast; ++i) answer = estimator.step(flight.frame(i));
+    for (int i = 0; i <= kLastFrame; ++i) answer = estimator.step(flight.frame(i));
     expect_numbers(answer);
     EXPECT_EQ(answer.status, EstimateStatus::ok);
-    EXPECT_LT(test::rotation_error(answer, flight.reference_from_camera(kLast)).norm(),
+    EXPECT_LT(test::rotation_error(answer, flight.reference_from_camera(kLastFrame)).norm(),
               kTolerance.rotation_rad);
-    const Eigen::Vector3d& way = answer.displacement_in_reference;
+    const Eigen::Vector3d& displacement = answer.displacement_in_reference;
     EXPECT_NE(answer.displacement_kind, DisplacementKind::direction);
     if (answer.displacement_kind == DisplacementKind::zero) {
-      EXPECT_TRUE(way.isZero());
+      EXPECT_TRUE(displacement.isZero());
     }
     if (answer.displacement_kind == DisplacementKind::metric) {
-      EXPECT_LT(test::squared_sigmas(way, answer.displacement_covariance), three_sigma_squared);
-      EXPECT_LT(way.norm(), kWay_m * kTolerance.length_ratio);
+      EXPECT_LT(test::nees(displacement, answer.displacement_covariance), max_nees);
+      EXPECT_LT(displacement.norm(), kTranslation_m * kTolerance.length_ratio);
     }
   }
 }
 
-struct Blindness {
+struct ImageLoss {
   const char* name;
   std::function<cv::Mat(const cv::Mat& last, int index)> image;
 };
-const Blindness kBlindness[] = {
+const ImageLoss kImageLosses[] = {
     {"black",
      [](const cv::Mat& last, int) { return cv::Mat(last.size(), CV_8UC1, cv::Scalar(0)); }},
-    {"bare",
+    {"textureless",
      [](const cv::Mat& last, int index) {
        return develop(cv::Mat(last.size(), CV_32FC1, cv::Scalar(128)), {.noise_grey = 1.5},
                       1000 + static_cast<std::uint64_t>(index));
      }},
     {"frozen", [](const cv::Mat& last, int) { return last.clone(); }}};
 
-TEST_P(EstimateContract, TooLittleToSeeHasItsStatusAndAGrowingCovariance) {
-  const Promise promise = promise_of(GetParam());
-  for (const Blindness& blindness : kBlindness) {
-    SCOPED_TRACE(blindness.name);
-    const KnownFlight flight(kMotions[5]);
+TEST_P(EstimateContract, UnmeasuredFramesHaveStatusAndGrowingCovariance) {
+  const Expected expected = expected_of(GetParam());
+  for (const ImageLoss& loss : kImageLosses) {
+    SCOPED_TRACE(loss.name);
+    const PrescribedFlight flight(kMotions[5]);
     ContractEstimator estimator(GetParam(), flight.world_from_body_at_start());
     MotionEstimate before;
-    for (int i = 0; i <= kLast; ++i) before = estimator.step(flight.frame(i));
-    const cv::Mat last = flight.frame(kLast).grey;
-    for (int i = kLast + 1; i <= kLast + 5; ++i) {
+    for (int i = 0; i <= kLastFrame; ++i) before = estimator.step(flight.frame(i));
+    const cv::Mat last = flight.frame(kLastFrame).grey;
+    for (int i = kLastFrame + 1; i <= kLastFrame + 5; ++i) {
       SCOPED_TRACE(i);
       const MotionEstimate answer =
-          estimator.step(KnownFlight::framed(blindness.image(last, i), i));
+          estimator.step(PrescribedFlight::framed(loss.image(last, i), i));
       expect_numbers(answer);
-      EXPECT_EQ(answer.status, promise.blind);
-      EXPECT_EQ(answer.source, promise.source);
+      EXPECT_EQ(answer.status, expected.unmeasured);
+      EXPECT_EQ(answer.source, expected.source);
       EXPECT_GT(answer.rotation_covariance.trace(), before.rotation_covariance.trace());
-      if (promise.kind == DisplacementKind::metric) {
+      if (expected.kind == DisplacementKind::metric) {
         EXPECT_EQ(answer.displacement_kind, DisplacementKind::metric);
         EXPECT_GT(answer.displacement_covariance.trace(), before.displacement_covariance.trace());
       } else {

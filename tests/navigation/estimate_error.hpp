@@ -6,40 +6,40 @@
 
 #include "estimation/motion_estimate.hpp"
 #include "geometry/angle.hpp"
-#include "tests/navigation/known_flight.hpp"
+#include "tests/navigation/prescribed_flight.hpp"
 
-// The motions of the contract, and by how much an answer misses one of them.
+// Motions of the contract test, and error measures of an estimate.
 
 namespace stillkite::test {
 
-inline constexpr double kWay_m = 0.4;
-inline constexpr double kTurn_rad = 10 * kDegree;
-inline constexpr int kLast = KnownFlight::kFrames - 1;
+inline constexpr double kTranslation_m = 0.4;
+inline constexpr double kRotation_rad = 10 * kDegree;
+inline constexpr int kLastFrame = PrescribedFlight::kFrames - 1;
 
-// The turns come with a way across their axis: seen in the axes of the camera that has turned, or
-// with an inverse for the rotation, it is off by 10 degrees or more.
-inline const KnownMotion kMotions[] = {{.name = "right", .way_in_reference_m = {kWay_m, 0, 0}},
-                                       {.name = "down", .way_in_reference_m = {0, kWay_m, 0}},
-                                       {.name = "ahead", .way_in_reference_m = {0, 0, kWay_m}},
-                                       {.name = "pitch",
-                                        .way_in_reference_m = {0, kWay_m, 0},
-                                        .turn_in_reference_rad = {kTurn_rad, 0, 0}},
-                                       {.name = "yaw",
-                                        .way_in_reference_m = {0, 0, kWay_m},
-                                        .turn_in_reference_rad = {0, kTurn_rad, 0}},
-                                       {.name = "roll",
-                                        .way_in_reference_m = {-kWay_m, 0, 0},
-                                        .turn_in_reference_rad = {0, 0, kTurn_rad}}};
+// Rotations come with a translation across their axis: in the rotated camera's axes, or with an
+// inverted rotation, the direction error is 10 degrees or more.
+inline const PrescribedMotion kMotions[] = {
+    {.name = "right", .translation_in_reference_m = {kTranslation_m, 0, 0}},
+    {.name = "down", .translation_in_reference_m = {0, kTranslation_m, 0}},
+    {.name = "ahead", .translation_in_reference_m = {0, 0, kTranslation_m}},
+    {.name = "pitch",
+     .translation_in_reference_m = {0, kTranslation_m, 0},
+     .rotation_in_reference_rad = {kRotation_rad, 0, 0}},
+    {.name = "yaw",
+     .translation_in_reference_m = {0, 0, kTranslation_m},
+     .rotation_in_reference_rad = {0, kRotation_rad, 0}},
+    {.name = "roll",
+     .translation_in_reference_m = {-kTranslation_m, 0, 0},
+     .rotation_in_reference_rad = {0, 0, kRotation_rad}}};
 
-// What may be off where all is well. All of an image: by half a pixel since the reference, of the
-// focal length a turn, of the image's shift by the way (0.4 m at 3.7 m: 26 px) a direction or a
-// length. From one frame to the next: by a fifth of a pixel, 30 times a second.
+// Tolerances. Since the reference: half a pixel, over the focal length for rotation, over the image
+// shift (0.4 m at 3.7 m: 26 px) for direction and length. Between frames: 0.2 px at 30 frames/s.
 struct Tolerance {
   double rotation_rad = 0.5 / 240;
   double direction_rad = 0.5 / 26;
   double length_ratio = 0.5 / 26;
-  double rate_rad_s = 0.2 / 240 * KnownFlight::kFramesPerSecond;
-  double velocity_m_s = 0.2 / 240 * KnownFlight::kFramesPerSecond * 3.7;
+  double rate_rad_s = 0.2 / 240 * PrescribedFlight::kFramesPerSecond;
+  double velocity_m_s = 0.2 / 240 * PrescribedFlight::kFramesPerSecond * 3.7;
 };
 inline constexpr Tolerance kTolerance;
 
@@ -53,39 +53,38 @@ inline constexpr Tolerance kTolerance;
   return angle_between_rad(answer.displacement_in_reference, truth.translation);
 }
 
-// e^T P^-1 e; of a part of the axes where `along` has fewer columns than three.
-[[nodiscard]] inline double squared_sigmas(
-    const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance,
-    const Eigen::Matrix3Xd& along = Eigen::Matrix3d::Identity()) {
+// NEES e^T P^-1 e in the subspace spanned by the columns of `along`.
+[[nodiscard]] inline double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance,
+                                 const Eigen::Matrix3Xd& along = Eigen::Matrix3d::Identity()) {
   const Eigen::VectorXd e = along.transpose() * error;
   const Eigen::MatrixXd P = along.transpose() * covariance * along;
   return e.dot(P.ldlt().solve(e));
 }
 
-// What a direction is known in: across itself.
-[[nodiscard]] inline Eigen::Matrix3Xd across(const Eigen::Vector3d& way) {
+// Subspace in which a direction is observable: perpendicular to it.
+[[nodiscard]] inline Eigen::Matrix3Xd across(const Eigen::Vector3d& direction) {
   Eigen::Matrix3Xd axes(3, 2);
-  axes.col(0) = way.unitOrthogonal();
-  axes.col(1) = way.normalized().cross(axes.col(0));
+  axes.col(0) = direction.unitOrthogonal();
+  axes.col(1) = direction.normalized().cross(axes.col(0));
   return axes;
 }
 
-[[nodiscard]] inline double displacement_sigmas_squared(const MotionEstimate& answer,
-                                                        const RigidTransform& truth) {
-  const Eigen::Vector3d& way = truth.translation;
+[[nodiscard]] inline double displacement_nees(const MotionEstimate& answer,
+                                              const RigidTransform& truth) {
+  const Eigen::Vector3d& displacement_m = truth.translation;
   if (answer.displacement_kind == DisplacementKind::metric) {
-    return squared_sigmas(answer.displacement_in_reference - way, answer.displacement_covariance);
+    return nees(answer.displacement_in_reference - displacement_m, answer.displacement_covariance);
   }
-  return squared_sigmas(answer.displacement_in_reference - way.normalized(),
-                        answer.displacement_covariance, across(way));
+  return nees(answer.displacement_in_reference - displacement_m.normalized(),
+              answer.displacement_covariance, across(displacement_m));
 }
 
-// As a share of the way; of a direction its angle.
+// Error relative to the displacement's length; for a direction its angle.
 [[nodiscard]] inline double displacement_error_ratio(const MotionEstimate& answer,
                                                      const RigidTransform& truth) {
-  const Eigen::Vector3d& way = truth.translation;
+  const Eigen::Vector3d& displacement_m = truth.translation;
   return answer.displacement_kind == DisplacementKind::metric
-             ? (answer.displacement_in_reference - way).norm() / way.norm()
+             ? (answer.displacement_in_reference - displacement_m).norm() / displacement_m.norm()
              : direction_error_rad(answer, truth);
 }
 

@@ -56,7 +56,7 @@ TEST(Pavement, IsFollowedSlabBySlab) {
   config.flight.height_m = 20;
   config.flight.forward_m = 20;
   config.flight.climb_m = 0;
-  const test::RenderedFlight flight = test::film(config, pavement());
+  const test::RenderedFlight flight = test::render_flight(config, pavement());
   for (const Policy policy : {Policy::flow, Policy::fused}) {
     Navigator navigator(flight.record.camera, flight.record.body_from_camera, {}, flight.start(),
                         {.policy = policy});

@@ -24,8 +24,8 @@ double duration_s(const std::vector<InertialStep>& steps) {
   return sum;
 }
 
-// A camera's stamps are no IMU's: without the last reading the rest would be any motion.
-TEST(InertialSteps, GoOnUpToTheImage) {
+// Camera and IMU stamps differ: without extension the rest of the interval is unmeasured.
+TEST(InertialSteps, ExtendLastStepToImage) {
   const std::vector<InertialStep> steps = steps_of({reading_at(1.05, 1), reading_at(1.095, 2)});
   ASSERT_EQ(steps.size(), 2u);
   EXPECT_NEAR(steps[0].dt_s, 0.05, 1e-9);
@@ -33,13 +33,13 @@ TEST(InertialSteps, GoOnUpToTheImage) {
   EXPECT_EQ(steps[1].angular_rate_rad_s->x(), 2);
 }
 
-TEST(InertialSteps, TellNothingOfAnIntervalThatTheyDoNotReachInto) {
+TEST(InertialSteps, LeaveLongGapsOpen) {
   EXPECT_NEAR(duration_s(steps_of({reading_at(1.05, 1)})), 0.05, 1e-9);
   EXPECT_TRUE(steps_of({}).empty());
   EXPECT_TRUE(steps_of({reading_at(0.99, 1), reading_at(1.2, 1)}).empty());
 }
 
-TEST(InertialSteps, LeaveOutWhatIsNotFiniteOrOutOfTurn) {
+TEST(InertialSteps, SkipNonFiniteAndUnorderedReadings) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<InertialStep> steps = steps_of(
       {reading_at(1.05, 1), reading_at(1.03, 5), reading_at(1.07, nan), reading_at(1.1, 2)});

@@ -8,7 +8,7 @@
 
 namespace stillkite::test {
 
-/// A flight whose answer is known.
+/// Rendered frames with ground truth.
 struct RenderedFlight {
   FlightRecord record;
   std::vector<Frame> frames;
@@ -23,16 +23,17 @@ struct RenderedFlight {
   }
 };
 
-inline RenderedFlight film(const SimulationConfig& config, const cv::Mat& photograph = {}) {
-  RenderedFlight made{record_flight(config), {}};
-  film_flight(config, photograph, [&](const Frame& frame) {
-    made.frames.push_back({frame.stamp, frame.index, frame.grey.clone()});
+inline RenderedFlight render_flight(const SimulationConfig& config,
+                                    const cv::Mat& photograph = {}) {
+  RenderedFlight flight{record_flight(config), {}};
+  render_flight(config, photograph, [&](const Frame& frame) {
+    flight.frames.push_back({frame.stamp, frame.index, frame.grey.clone()});
   });
-  return made;
+  return flight;
 }
 
-/// A small one: two seconds at 25 frames/s, 640x360, 40 m high, 12 m ahead, 2 m aside, 1 m down,
-/// rocking by a degree.
+/// Small flight: 2 s at 25 frames/s, 640x360 px, 40 m high; 12 m forward, 2 m left, 1 m down, with
+/// attitude oscillations of one degree.
 inline SimulationConfig small_flight(int seed) {
   SimulationConfig config;
   config.seed = seed;
@@ -51,13 +52,13 @@ inline SimulationConfig small_flight(int seed) {
   return config;
 }
 
-/// The small flight, filmed once for all tests of a program.
+/// The small flight, rendered once per test program.
 inline const RenderedFlight& rendered_flight() {
-  static const RenderedFlight flight = film(small_flight(1));
+  static const RenderedFlight flight = render_flight(small_flight(1));
   return flight;
 }
 
-/// All frames of the flight through one navigator.
+/// Runs a navigator over all frames.
 inline std::vector<NavigationEstimate> fly(Navigator navigator, const std::vector<Frame>& frames) {
   std::vector<NavigationEstimate> estimates;
   estimates.reserve(frames.size());

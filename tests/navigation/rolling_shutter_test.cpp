@@ -19,7 +19,7 @@ SimulationConfig rolling_camera(int width_px, int height_px, double focal_px, do
   return config;
 }
 
-// At 5 m/s from the first frame on, 20 m high.
+// Constant speed of 5 m/s at 20 m height.
 SimulationConfig fast_flight() {
   SimulationConfig config = rolling_camera(480, 360, 400, 0.04);
   config.flight.duration_s = 1.5;
@@ -32,7 +32,7 @@ SimulationConfig fast_flight() {
   return config;
 }
 
-// From 16 cm to half a metre in a second.
+// Climb from 0.16 m to 0.5 m in one second.
 SimulationConfig steep_climb() {
   SimulationConfig config = rolling_camera(320, 240, 350, 0.016);
   config.camera.frames_per_s = 60;
@@ -47,13 +47,13 @@ SimulationConfig steep_climb() {
   return config;
 }
 
-struct Flown {
+struct FlightErrors {
   double end_error_m = 0;
   double end_tilt_error_rad = 0;
   double speed_rmse_m_s = 0;
 };
 
-Flown flown(const test::RenderedFlight& flight, double readout_s) {
+FlightErrors flight_errors(const test::RenderedFlight& flight, double readout_s) {
   Navigator navigator = flight.navigator({.readout_s = readout_s});
   NavigationEstimate last;
   double squared = 0;
@@ -71,20 +71,20 @@ Flown flown(const test::RenderedFlight& flight, double readout_s) {
           std::sqrt(squared / static_cast<double>(flight.frames.size()))};
 }
 
-// The first keyframe is taken before any speed is known; its rows are late all the same.
-TEST(RollingShutter, IsUndoneFromTheFirstFrameOn) {
-  const test::RenderedFlight flight = test::film(fast_flight());
-  constexpr double kWay_m = 7.5;
-  const double with = flown(flight, 0.04).end_error_m;
-  EXPECT_LT(with, 0.005 * kWay_m);
-  EXPECT_GT(flown(flight, 0).end_error_m, 5 * with);
+// The first keyframe, taken before the velocity is estimated, is corrected, too.
+TEST(RollingShutter, IsCorrectedFromFirstFrame) {
+  const test::RenderedFlight flight = test::render_flight(fast_flight());
+  constexpr double kPathLength_m = 7.5;
+  const double with = flight_errors(flight, 0.04).end_error_m;
+  EXPECT_LT(with, 0.005 * kPathLength_m);
+  EXPECT_GT(flight_errors(flight, 0).end_error_m, 5 * with);
 }
 
-// Rows that are late in a climb look like a ground that is tilted, and a speed that is wrong by as
-// much as the frame's is fed back by the next one's rows.
-TEST(RollingShutter, NeitherTiltsNorShakesASteepClimb) {
-  const test::RenderedFlight flight = test::film(steep_climb());
-  const Flown with = flown(flight, 0.016), without = flown(flight, 0);
+// In a climb, row delays mimic a tilted ground, and a velocity error feeds back through the next
+// frame's rows.
+TEST(RollingShutter, CorrectionIsStableInSteepClimb) {
+  const test::RenderedFlight flight = test::render_flight(steep_climb());
+  const FlightErrors with = flight_errors(flight, 0.016), without = flight_errors(flight, 0);
   EXPECT_LT(with.end_tilt_error_rad, 0.001);
   EXPECT_GT(without.end_tilt_error_rad, 0.03);
   EXPECT_LT(with.end_error_m, 0.0005);

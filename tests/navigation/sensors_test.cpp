@@ -19,11 +19,11 @@ class Sensors : public testing::TestWithParam<Mode> {
   }
 };
 
-TEST_P(Sensors, HeightHealsAWrongStart) {
+TEST_P(Sensors, HeightCorrectsInitialHeightError) {
   const auto& flight = rendered_flight();
-  InitialState wrong = flight.start();
-  wrong.world_from_body.translation.z() *= 1.05;
-  Navigator estimator = navigator(wrong);
+  InitialState biased = flight.start();
+  biased.world_from_body.translation.z() *= 1.05;
+  Navigator estimator = navigator(biased);
   NavigationEstimate e;
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     SensorReadings readings;
@@ -38,14 +38,14 @@ TEST_P(Sensors, HeightHealsAWrongStart) {
   const RigidTransform& truth = flight.truth(flight.frames.size() - 1);
   EXPECT_NEAR(e.world_from_body.translation.z(), truth.translation.z(), 0.1);
   EXPECT_LT((e.world_from_body.translation - truth.translation).norm(), 0.4);
-  // the start of the twists is that of the second frame
+  // twists begin with the second frame
   const Twist& last = flight.record.twists_in_camera.back().twist;
   EXPECT_LT((e.twist_in_camera.velocity_m_s - last.velocity_m_s).norm(),
             GetParam() == Mode::paper ? 0.5 : 0.15);
 }
 
-// As a range finder has it that at times has no echo.
-TEST_P(Sensors, LeavesOutHeightsThatAreFarOff) {
+// Range finder with intermittent echo loss.
+TEST_P(Sensors, RejectsHeightOutliers) {
   const auto& flight = rendered_flight();
   const std::size_t last = flight.frames.size() - 1;
   for (const double no_echo_m : {0.05, 40.0, 1e30}) {
@@ -61,11 +61,11 @@ TEST_P(Sensors, LeavesOutHeightsThatAreFarOff) {
   }
 }
 
-TEST_P(Sensors, BelievesHeightsThatAreFarOffOnceFiveInARowAre) {
+TEST_P(Sensors, AcceptsFifthConsecutiveOutlier) {
   const auto& flight = rendered_flight();
-  InitialState wrong = flight.start();
-  wrong.world_from_body.translation.z() *= 1.6;
-  Navigator estimator = navigator(wrong);
+  InitialState biased = flight.start();
+  biased.world_from_body.translation.z() *= 1.6;
+  Navigator estimator = navigator(biased);
   for (std::size_t i = 0; i < 20; ++i) {
     SensorReadings readings;
     readings.height_m = flight.truth(i).translation.z();
@@ -76,8 +76,8 @@ TEST_P(Sensors, BelievesHeightsThatAreFarOffOnceFiveInARowAre) {
   }
 }
 
-// A range finder that sees nothing for long.
-TEST_P(Sensors, DoesNotBelieveAHeightThatIsToldAgainAndAgain) {
+// Range finder without an echo for a long time.
+TEST_P(Sensors, RejectsRepeatedOutlierReading) {
   const auto& flight = rendered_flight();
   Navigator estimator = navigator(flight.start());
   for (std::size_t i = 0; i < 40; ++i) {
@@ -88,13 +88,13 @@ TEST_P(Sensors, DoesNotBelieveAHeightThatIsToldAgainAndAgain) {
   }
 }
 
-TEST(SensorReading, RangeIsAlongTheBody) {
+TEST(SensorReading, RangeIsAlongBodyAxis) {
   const Eigen::Quaterniond rolled = so3_exp({std::acos(0.5), 0, 0});
   EXPECT_NEAR(height_of_body_m(10, ScaleSource::range, rolled), 5, 1e-12);
   EXPECT_NEAR(height_of_body_m(10, ScaleSource::barometer, rolled), 10, 1e-12);
 }
 
-TEST_P(Sensors, FirstHeightSetsTheScaleOfAFlightWithoutOne) {
+TEST_P(Sensors, FirstHeightSetsScale) {
   const auto& flight = rendered_flight();
   InitialState unscaled{flight.truth(0), ScaleSource::none};
   unscaled.world_from_body.translation.z() = 1;
@@ -117,39 +117,39 @@ TEST_P(Sensors, FirstHeightSetsTheScaleOfAFlightWithoutOne) {
   }
 }
 
-// None of them is taken, and nothing is lost by it.
-TEST(SensorReading, ThatIsNoNumberIsNoReading) {
+// Non-finite readings leave the estimate unchanged.
+TEST(SensorReading, NonFiniteIsIgnored) {
   const auto& flight = rendered_flight();
-  for (const double no_number : {std::nan(""), HUGE_VAL}) {
-    const Eigen::Vector3d rate = Eigen::Vector3d::Constant(no_number);
-    const SensorReadings spoiled{.mean_angular_rate_in_body_rad_s = rate,
-                                 .height_m = no_number,
-                                 .attitude = Eigen::Quaterniond(no_number, 0, 0, 0),
-                                 .acceleration = Vector6d::Constant(no_number),
+  for (const double non_finite : {std::nan(""), HUGE_VAL}) {
+    const Eigen::Vector3d rate = Eigen::Vector3d::Constant(non_finite);
+    const SensorReadings invalid{.mean_angular_rate_in_body_rad_s = rate,
+                                 .height_m = non_finite,
+                                 .attitude = Eigen::Quaterniond(non_finite, 0, 0, 0),
+                                 .acceleration = Vector6d::Constant(non_finite),
                                  .inertial = {{flight.frames[5].stamp, rate, rate}}};
     for (const EstimatorConfig& estimator : {EstimatorConfig{.policy = Policy::flow},
                                              {.policy = Policy::flow, .mode = Mode::paper},
                                              {.policy = Policy::reference},
                                              {.policy = Policy::best},
                                              {.policy = Policy::fused}}) {
-      const auto last = [&](const SensorReadings& at_some) {
+      const auto last = [&](const SensorReadings& at_some_frames) {
         Navigator navigator(flight.record.camera, flight.record.body_from_camera, {},
                             flight.start(), estimator);
         for (std::size_t i = 0; i < 12; ++i) {
-          navigator.step(flight.frames[i], i > 4 && i < 11 ? at_some : SensorReadings{});
+          navigator.step(flight.frames[i], i > 4 && i < 11 ? at_some_frames : SensorReadings{});
         }
         return navigator.step(flight.frames[12]);
       };
-      const NavigationEstimate with = last(spoiled), without = last({});
+      const NavigationEstimate with = last(invalid), without = last({});
       EXPECT_EQ(with.world_from_body.translation, without.world_from_body.translation)
-          << name_of(estimator.policy) << no_number;
+          << name_of(estimator.policy) << non_finite;
       EXPECT_EQ(with.pose_covariance, without.pose_covariance);
     }
   }
 }
 
-// The way home is in metres then, whoever tells it.
-TEST(FirstHeight, ThatComesLateMovesTheStartWithTheWorld) {
+// The displacement since the first frame is metric after a late first height.
+TEST(FirstHeight, RescalesInitialPose) {
   const auto& flight = rendered_flight();
   const RigidTransform& mount = flight.record.body_from_camera;
   InitialState unscaled{flight.truth(0), ScaleSource::none};
@@ -160,14 +160,14 @@ TEST(FirstHeight, ThatComesLateMovesTheStartWithTheWorld) {
                                            {.policy = Policy::fused}}) {
     SCOPED_TRACE(name_of(estimator.policy));
     Navigator navigator(flight.record.camera, mount, {}, unscaled, estimator);
-    Matrix6d start_covariance;
+    Matrix6d initial_covariance;
     for (std::size_t i = 0; i < flight.frames.size(); ++i) {
       SensorReadings readings;
       if (i >= 25) readings.height_m = flight.truth(i).translation.z();
       const NavigationEstimate e = navigator.step(flight.frames[i], readings);
-      if (i == 0) start_covariance = e.pose_covariance;
+      if (i == 0) initial_covariance = e.pose_covariance;
       if (i < 25) continue;
-      const MotionEstimate motion = motion_estimate(e, start_covariance, mount);
+      const MotionEstimate motion = motion_estimate(e, initial_covariance, mount);
       const RigidTransform truth = (flight.truth(0) * mount).inverse() * (flight.truth(i) * mount);
       ASSERT_EQ(motion.displacement_kind, DisplacementKind::metric) << i;
       EXPECT_LT((motion.displacement_in_reference - truth.translation).norm(), 0.5) << i;
@@ -175,11 +175,11 @@ TEST(FirstHeight, ThatComesLateMovesTheStartWithTheWorld) {
   }
 }
 
-TEST_P(Sensors, AttitudeHealsAWrongStart) {
+TEST_P(Sensors, AttitudeCorrectsInitialTiltError) {
   const auto& flight = rendered_flight();
-  InitialState wrong = flight.start();
-  wrong.world_from_body.rotation = so3_exp({0.03, -0.02, 0}) * wrong.world_from_body.rotation;
-  Navigator estimator = navigator(wrong);
+  InitialState biased = flight.start();
+  biased.world_from_body.rotation = so3_exp({0.03, -0.02, 0}) * biased.world_from_body.rotation;
+  Navigator estimator = navigator(biased);
   NavigationEstimate e;
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     SensorReadings readings;
@@ -190,8 +190,8 @@ TEST_P(Sensors, AttitudeHealsAWrongStart) {
   EXPECT_LT(angle_between_rad(e.world_from_body.rotation, truth.rotation), 0.004);
 }
 
-// Ten black frames in which the drone would turn by 10 degrees, and a gyro that knows.
-TEST(Gyro, TurnsThePoseWhileNothingIsSeen) {
+// Ten black frames with a yaw of 10 degrees, measured by the gyro.
+TEST(Gyro, PropagatesAttitudeWithoutImages) {
   const auto& flight = rendered_flight();
   Navigator estimator = flight.navigator();
   NavigationEstimate e;

@@ -4,7 +4,7 @@
 
 namespace stillkite {
 
-/// Wide and with a lens, as a drone's, but quick to render.
+/// Wide-angle drone camera with distortion, small for fast rendering.
 [[nodiscard]] inline Camera small_camera() {
   return {.width_px = 400,
           .height_px = 240,

@@ -15,30 +15,30 @@ void expect_same(const Eigen::Quaterniond& actual, const Eigen::Quaterniond& exp
   EXPECT_LT(actual.angularDistance(expected), 1e-12);
 }
 
-TEST(StationAttitude, TheFirstHeadingIsZeroAndTheEstimateTurnsItOn) {
+TEST(StationAttitude, InitialYawIsZeroThenIntegratesEstimate) {
   StationAttitude station;
   expect_same(station.step(attitude(2.0), std::nullopt), attitude(0.0));
   expect_same(station.step(attitude(2.5, 0.1, 0.4), std::nullopt), attitude(0.5, 0.1, 0.4));
   expect_same(station.step(attitude(-3.0), std::nullopt), attitude(-5.0));
 }
 
-// Tilt and turns are the sensor's, whatever its heading is called.
-TEST(StationAttitude, ASensorsReadingIsTaken) {
+// Tilt and rotation follow the sensor; its absolute heading is ignored.
+TEST(StationAttitude, FollowsSensorAttitude) {
   StationAttitude station;
   expect_same(station.step(attitude(2.0), attitude(-1.0, 0.31)), attitude(0.0, 0.31));
   expect_same(station.step(attitude(2.0), attitude(-0.9, 0.32)), attitude(0.1, 0.32));
 }
 
-TEST(StationAttitude, BetweenReadingsTheEstimateGoesOn) {
+TEST(StationAttitude, IntegratesEstimateBetweenReadings) {
   StationAttitude station;
   (void)station.step(attitude(2.0), attitude(-1.0));
   expect_same(station.step(attitude(2.2), std::nullopt), attitude(0.2));
   expect_same(station.step(attitude(2.4), std::nullopt), attitude(0.4));
-  // the estimate had drifted: the sensor knows
+  // the sensor corrects the drift of the estimate
   expect_same(station.step(attitude(2.6), attitude(-0.5)), attitude(0.5));
 }
 
-TEST(StationAttitude, ALateFirstReadingDoesNotTurnTheStation) {
+TEST(StationAttitude, LateFirstReadingKeepsYaw) {
   StationAttitude station;
   (void)station.step(attitude(2.0), std::nullopt);
   expect_same(station.step(attitude(2.3), attitude(1.0, 0.31)), attitude(0.3, 0.31));

@@ -14,22 +14,23 @@ using Eigen::Vector3d;
 const int kPatience = EstimateChoiceConfig{}.patience_frames;
 constexpr double kHeight_m = 3;
 
-MotionEstimate flow_at(const Vector3d& way_m, double yaw_deg = 0) {
+MotionEstimate flow_at(const Vector3d& translation_m, double yaw_deg = 0) {
   MotionEstimate motion;
   motion.source = EstimateSource::flow;
   motion.status = EstimateStatus::ok;
   motion.reference_from_camera = so3_exp({0, 0, yaw_deg * kDegree});
   motion.rotation_covariance = 1e-6 * Eigen::Matrix3d::Identity();
   motion.displacement_kind = DisplacementKind::metric;
-  motion.displacement_in_reference = way_m;
+  motion.displacement_in_reference = translation_m;
   motion.displacement_covariance = 1e-6 * Eigen::Matrix3d::Identity();
   return motion;
 }
 
-MotionEstimate reference_towards(const Vector3d& way, double yaw_deg = 0) {
-  MotionEstimate motion = flow_at(way.stableNormalized(), yaw_deg);
+MotionEstimate reference_towards(const Vector3d& translation, double yaw_deg = 0) {
+  MotionEstimate motion = flow_at(translation.stableNormalized(), yaw_deg);
   motion.source = EstimateSource::reference;
-  motion.displacement_kind = way.isZero() ? DisplacementKind::zero : DisplacementKind::direction;
+  motion.displacement_kind =
+      translation.isZero() ? DisplacementKind::zero : DisplacementKind::direction;
   return motion;
 }
 
@@ -38,210 +39,219 @@ MotionEstimate lost(MotionEstimate motion) {
   return motion;
 }
 
-EstimatePair seen(const MotionEstimate& flow, const MotionEstimate& reference,
-                  std::optional<double> relief_ratio = 0, std::optional<double> misfit_ratio = {}) {
+EstimatePair pair_of(const MotionEstimate& flow, const MotionEstimate& reference,
+                     std::optional<double> relief_ratio = 0,
+                     std::optional<double> misfit_ratio = {}) {
   return {.flow = flow,
           .reference = reference,
-          .start_from_reference = {},
+          .initial_from_reference = {},
           .relief_ratio = relief_ratio,
           .misfit_ratio = misfit_ratio,
-          .start_height = kHeight_m};
+          .initial_height = kHeight_m};
 }
 
-// The source after that many frames of the same.
+// Source after `frames` identical frames.
 EstimateSource source_after(EstimateChoice& choice, const EstimatePair& estimates, int frames) {
   EstimateDecision decision;
   for (int i = 0; i < frames; ++i) decision = choice.step(estimates);
   return decision.source;
 }
 
-const Vector3d kAhead(1, 0, 0);
-const Vector3d kAside(0, 1, 0);
+const Vector3d kForward(1, 0, 0);
+const Vector3d kLeft(0, 1, 0);
 
-TEST(EstimateChoice, TakesTheFlowWhileTheyAgree) {
+TEST(EstimateChoice, SelectsFlowWhileConsistent) {
   EstimateChoice choice({});
-  const EstimatePair agreeing = seen(flow_at(kAhead, 2), reference_towards(kAhead, 2.5));
-  EXPECT_EQ(source_after(choice, agreeing, 20), EstimateSource::flow);
-  const EstimateDecision decision = choice.step(agreeing);
-  EXPECT_TRUE(decision.start_from_camera.translation.isApprox(kAhead));
-  EXPECT_NEAR(so3_log(decision.start_from_camera.rotation).z(), 2 * kDegree, 1e-12);
+  const EstimatePair consistent = pair_of(flow_at(kForward, 2), reference_towards(kForward, 2.5));
+  EXPECT_EQ(source_after(choice, consistent, 20), EstimateSource::flow);
+  const EstimateDecision decision = choice.step(consistent);
+  EXPECT_TRUE(decision.initial_from_camera.translation.isApprox(kForward));
+  EXPECT_NEAR(so3_log(decision.initial_from_camera.rotation).z(), 2 * kDegree, 1e-12);
   EXPECT_TRUE(decision.correction_covariance.isZero());
 }
 
-// One after the other: rotation, direction, the opposite way, a way where there is none, relief.
-TEST(EstimateChoice, TakesTheReferenceOnceTheyHaveDisagreedForSomeFrames) {
-  const MotionEstimate ahead = flow_at(kAhead);
-  for (const EstimatePair& pair :
-       {seen(flow_at(kAhead, 4), reference_towards(kAhead)),
-        seen(ahead, reference_towards(kAhead + 0.3 * kAside)),
-        seen(ahead, reference_towards(-kAhead)), seen(ahead, reference_towards(Vector3d::Zero())),
-        seen(ahead, reference_towards(kAhead), 0.5)}) {
+// Cases: rotation, direction, opposite direction, displacement against zero, relief.
+TEST(EstimateChoice, SwitchesToReferenceAfterInconsistentFrames) {
+  const MotionEstimate forward = flow_at(kForward);
+  for (const EstimatePair& pair : {pair_of(flow_at(kForward, 4), reference_towards(kForward)),
+                                   pair_of(forward, reference_towards(kForward + 0.3 * kLeft)),
+                                   pair_of(forward, reference_towards(-kForward)),
+                                   pair_of(forward, reference_towards(Vector3d::Zero())),
+                                   pair_of(forward, reference_towards(kForward), 0.5)}) {
     EstimateChoice choice({});
     EXPECT_EQ(source_after(choice, pair, kPatience - 1), EstimateSource::flow);
     const EstimateDecision decision = choice.step(pair);
     EXPECT_EQ(decision.source, EstimateSource::reference);
-    EXPECT_TRUE(decision.start_from_camera.rotation.isApprox(pair.reference.reference_from_camera));
+    EXPECT_TRUE(
+        decision.initial_from_camera.rotation.isApprox(pair.reference.reference_from_camera));
   }
 }
 
-TEST(EstimateChoice, GivesEitherTheRoomThatItsCovarianceClaims) {
-  MotionEstimate vague = reference_towards(kAhead + 0.3 * kAside, 4);
-  vague.rotation_covariance = 0.04 * 0.04 * Eigen::Matrix3d::Identity();
-  vague.displacement_covariance = 0.1 * 0.1 * Eigen::Matrix3d::Identity();
+TEST(EstimateChoice, TestsConsistencyWithBothCovariances) {
+  MotionEstimate uncertain = reference_towards(kForward + 0.3 * kLeft, 4);
+  uncertain.rotation_covariance = 0.04 * 0.04 * Eigen::Matrix3d::Identity();
+  uncertain.displacement_covariance = 0.1 * 0.1 * Eigen::Matrix3d::Identity();
   EstimateChoice choice({});
-  EXPECT_EQ(source_after(choice, seen(flow_at(kAhead), vague), 20), EstimateSource::flow);
+  EXPECT_EQ(source_after(choice, pair_of(flow_at(kForward), uncertain), 20), EstimateSource::flow);
 }
 
-TEST(EstimateChoice, KnowsOfReliefUntilParallaxTellsOtherwise) {
+TEST(EstimateChoice, KeepsReliefResultUntilParallaxSuffices) {
   EstimateChoice choice({});
-  const MotionEstimate flow = flow_at(kAhead);
-  const MotionEstimate reference = reference_towards(kAhead);
-  EXPECT_EQ(source_after(choice, seen(flow, reference, 0.5), 20), EstimateSource::reference);
-  EXPECT_EQ(source_after(choice, seen(flow, reference, {}), 20), EstimateSource::reference);
-  EXPECT_EQ(source_after(choice, seen(flow, reference, 0.05), kPatience - 1),
+  const MotionEstimate flow = flow_at(kForward);
+  const MotionEstimate reference = reference_towards(kForward);
+  EXPECT_EQ(source_after(choice, pair_of(flow, reference, 0.5), 20), EstimateSource::reference);
+  EXPECT_EQ(source_after(choice, pair_of(flow, reference, {}), 20), EstimateSource::reference);
+  EXPECT_EQ(source_after(choice, pair_of(flow, reference, 0.05), kPatience - 1),
             EstimateSource::reference);
-  EXPECT_EQ(source_after(choice, seen(flow, reference, 0.05), 1), EstimateSource::flow);
+  EXPECT_EQ(source_after(choice, pair_of(flow, reference, 0.05), 1), EstimateSource::flow);
 }
 
-// As long as parallax has told nothing the flow's metres may be those of any ground.
-TEST(EstimateChoice, DoubtsTheFlowsWayUntilFlatGroundHasShown) {
+// Without sufficient parallax the relief of the ground is unknown.
+TEST(EstimateChoice, BoundsFlowErrorUntilFlatGroundIsVerified) {
   EstimateChoice choice({});
-  const auto unproven_way = [&](const Vector3d& way, std::optional<double> relief_ratio) {
-    const EstimatePair pair = seen(flow_at(way), reference_towards(way), relief_ratio);
-    return choice.step(pair).unproven_way;
+  const auto error_bound = [&](const Vector3d& translation, std::optional<double> relief_ratio) {
+    const EstimatePair pair =
+        pair_of(flow_at(translation), reference_towards(translation), relief_ratio);
+    return choice.step(pair).position_error_bound;
   };
-  EXPECT_DOUBLE_EQ(unproven_way(0.2 * kAhead, {}), 0.2);
-  EXPECT_DOUBLE_EQ(unproven_way(0.1 * kAside, {}), 0.2);  // what went wrong on the way stays
-  EXPECT_EQ(unproven_way(0.3 * kAhead, 0.05), 0);
-  EXPECT_EQ(unproven_way(0.1 * kAhead, {}), 0);
-  EXPECT_DOUBLE_EQ(unproven_way(0.4 * kAhead, 0.5), 0.3);  // it stays chosen for some frames
-  EstimateChoice turned({});
-  const EstimatePair pair = seen(flow_at(0.1 * kAhead, 3), reference_towards(kAhead), {});
-  EXPECT_NEAR(turned.step(pair).unproven_way, kHeight_m * 3 * kDegree, 1e-12);
+  EXPECT_DOUBLE_EQ(error_bound(0.2 * kForward, {}), 0.2);
+  EXPECT_DOUBLE_EQ(error_bound(0.1 * kLeft, {}), 0.2);  // largest displacement
+  EXPECT_EQ(error_bound(0.3 * kForward, 0.05), 0);
+  EXPECT_EQ(error_bound(0.1 * kForward, {}), 0);
+  EXPECT_DOUBLE_EQ(error_bound(0.4 * kForward, 0.5), 0.3);  // flow is still selected
+  EstimateChoice rotated({});
+  const EstimatePair pair = pair_of(flow_at(0.1 * kForward, 3), reference_towards(kForward), {});
+  EXPECT_NEAR(rotated.step(pair).position_error_bound, kHeight_m * 3 * kDegree, 1e-12);
 }
 
-// A reference whose pose is a false one, on a plane an essential matrix often is.
-TEST(EstimateChoice, TakesTheFlowWhileTheFeaturesAreWhereItTakesThem) {
+// False reference pose, as from an essential matrix on a plane.
+TEST(EstimateChoice, SelectsFlowWhoseMotionExplainsTheFeatures) {
   EstimateChoice choice({});
-  const EstimatePair false_pose = seen(flow_at(kAhead), reference_towards(kAside, 10), 0.9, 0.05);
+  const EstimatePair false_pose =
+      pair_of(flow_at(kForward), reference_towards(kLeft, 10), 0.9, 0.05);
   EXPECT_EQ(source_after(choice, false_pose, 20), EstimateSource::flow);
-  EXPECT_TRUE(choice.step(false_pose).home_from_flow.translation.isZero());
-  const EstimatePair true_pose = seen(flow_at(kAhead), reference_towards(kAside, 10), 0.9, 0.9);
+  EXPECT_TRUE(choice.step(false_pose).initial_from_flow.translation.isZero());
+  const EstimatePair true_pose = pair_of(flow_at(kForward), reference_towards(kLeft, 10), 0.9, 0.9);
   EXPECT_EQ(source_after(choice, true_pose, 20), EstimateSource::reference);
 }
 
-TEST(EstimateChoice, TakesNoFlowInADepthThatHasShown) {
+TEST(EstimateChoice, RejectsFlowOverGroundWithRelief) {
   EstimateChoice choice({});
-  const MotionEstimate flow = flow_at(kAhead);
-  const MotionEstimate reference = reference_towards(kAhead);
-  EXPECT_EQ(source_after(choice, seen(flow, reference, 0.5), 20), EstimateSource::reference);
-  EXPECT_EQ(source_after(choice, seen(flow, lost(reference), {}), 20), EstimateSource::reference);
-  // until the features are where it takes them
-  EXPECT_EQ(source_after(choice, seen(flow, lost(reference), {}, 0.1), 1), EstimateSource::flow);
+  const MotionEstimate flow = flow_at(kForward);
+  const MotionEstimate reference = reference_towards(kForward);
+  EXPECT_EQ(source_after(choice, pair_of(flow, reference, 0.5), 20), EstimateSource::reference);
+  EXPECT_EQ(source_after(choice, pair_of(flow, lost(reference), {}), 20),
+            EstimateSource::reference);
+  // accepted once its motion explains the features
+  EXPECT_EQ(source_after(choice, pair_of(flow, lost(reference), {}, 0.1), 1), EstimateSource::flow);
 }
 
-TEST(EstimateChoice, DoesNotChatter) {
+TEST(EstimateChoice, DoesNotChatterOnSingleFrames) {
   EstimateChoice choice({});
   for (int i = 0; i < 100; ++i) {
     const double relief_ratio = i % kPatience == 0 ? 0 : 1;
-    EXPECT_EQ(choice.step(seen(flow_at(kAhead), reference_towards(kAhead), relief_ratio)).source,
-              EstimateSource::flow);
+    EXPECT_EQ(
+        choice.step(pair_of(flow_at(kForward), reference_towards(kForward), relief_ratio)).source,
+        EstimateSource::flow);
   }
 }
 
-TEST(EstimateChoice, LeavesAtOnceWhatIsLost) {
-  const MotionEstimate flow = flow_at(kAhead);
-  const MotionEstimate reference = reference_towards(kAhead);
+TEST(EstimateChoice, ReplacesLostEstimateAtOnce) {
+  const MotionEstimate flow = flow_at(kForward);
+  const MotionEstimate reference = reference_towards(kForward);
   EstimateChoice choice({});
-  EXPECT_EQ(choice.step(seen(lost(flow), reference)).source, EstimateSource::reference);
-  EXPECT_EQ(choice.step(seen(flow, reference)).source, EstimateSource::reference);
+  EXPECT_EQ(choice.step(pair_of(lost(flow), reference)).source, EstimateSource::reference);
+  EXPECT_EQ(choice.step(pair_of(flow, reference)).source, EstimateSource::reference);
   MotionEstimate gated = reference;
   gated.status = EstimateStatus::gated;
-  EXPECT_EQ(choice.step(seen(flow, gated)).source, EstimateSource::flow);
+  EXPECT_EQ(choice.step(pair_of(flow, gated)).source, EstimateSource::flow);
 }
 
-TEST(EstimateChoice, StaysWhereItWasWhenBothAreLost) {
+TEST(EstimateChoice, KeepsSourceAndPoseWhenBothAreLost) {
   for (const bool flow_first : {true, false}) {
     EstimateChoice choice({});
-    const MotionEstimate flow = flow_at(kAhead);
-    const MotionEstimate reference = reference_towards(kAhead, 1);
-    const EstimateDecision before = flow_first ? choice.step(seen(flow, lost(reference)))
-                                               : choice.step(seen(lost(flow), reference));
-    const EstimateDecision blind = choice.step(seen(lost(flow), lost(reference)));
-    EXPECT_EQ(blind.source, flow_first ? EstimateSource::flow : EstimateSource::reference);
-    EXPECT_TRUE(blind.start_from_camera.rotation.isApprox(before.start_from_camera.rotation));
-    EXPECT_TRUE(blind.start_from_camera.translation.isApprox(before.start_from_camera.translation));
+    const MotionEstimate flow = flow_at(kForward);
+    const MotionEstimate reference = reference_towards(kForward, 1);
+    const EstimateDecision before = flow_first ? choice.step(pair_of(flow, lost(reference)))
+                                               : choice.step(pair_of(lost(flow), reference));
+    const EstimateDecision after_loss = choice.step(pair_of(lost(flow), lost(reference)));
+    EXPECT_EQ(after_loss.source, flow_first ? EstimateSource::flow : EstimateSource::reference);
+    EXPECT_TRUE(
+        after_loss.initial_from_camera.rotation.isApprox(before.initial_from_camera.rotation));
+    EXPECT_TRUE(after_loss.initial_from_camera.translation.isApprox(
+        before.initial_from_camera.translation));
   }
 }
 
-// The reference holds the truth while the flow has drifted aside, along and in heading.
-TEST(EstimateChoice, TheFlowGoesOnWhereTheReferenceStopped) {
+// The reference is exact; the flow has drifted laterally, along its direction and in heading.
+TEST(EstimateChoice, ContinuesFlowFromReferencePose) {
   EstimateChoice choice({});
-  const MotionEstimate reference = reference_towards(kAhead, 5);
-  const MotionEstimate drifted = flow_at(1.2 * kAhead + 0.4 * kAside, 9);
-  EXPECT_EQ(source_after(choice, seen(drifted, reference), kPatience), EstimateSource::reference);
-  const EstimateDecision before = choice.step(seen(drifted, reference));
-  // d d^T c with d ahead
-  EXPECT_TRUE(before.start_from_camera.translation.isApprox(1.2 * kAhead, 1e-9));
-  // the flow has the camera 0.1 m further along its own heading, 4 degrees off
-  const Vector3d further = 0.1 * (so3_exp({0, 0, 9 * kDegree}) * kAhead);
+  const MotionEstimate reference = reference_towards(kForward, 5);
+  const MotionEstimate drifted = flow_at(1.2 * kForward + 0.4 * kLeft, 9);
+  EXPECT_EQ(source_after(choice, pair_of(drifted, reference), kPatience),
+            EstimateSource::reference);
+  const EstimateDecision before = choice.step(pair_of(drifted, reference));
+  // d d^T c with d forward
+  EXPECT_TRUE(before.initial_from_camera.translation.isApprox(1.2 * kForward, 1e-9));
+  // 0.1 m further along the flow's heading, which has an error of 4 degrees
+  const Vector3d further = 0.1 * (so3_exp({0, 0, 9 * kDegree}) * kForward);
   const MotionEstimate next = flow_at(drifted.displacement_in_reference + further, 9);
-  const EstimateDecision after = choice.step(seen(next, lost(reference)));
+  const EstimateDecision after = choice.step(pair_of(next, lost(reference)));
   EXPECT_EQ(after.source, EstimateSource::flow);
-  EXPECT_NEAR(so3_log(after.start_from_camera.rotation).z(), 5 * kDegree, 1e-9);
-  const Vector3d along_true_heading = 0.1 * (so3_exp({0, 0, 5 * kDegree}) * kAhead);
+  EXPECT_NEAR(so3_log(after.initial_from_camera.rotation).z(), 5 * kDegree, 1e-9);
+  const Vector3d along_true_heading = 0.1 * (so3_exp({0, 0, 5 * kDegree}) * kForward);
   EXPECT_TRUE(
-      after.start_from_camera.translation.isApprox(1.2 * kAhead + along_true_heading, 1e-9));
-  // what was wrong across may be as wrong along
+      after.initial_from_camera.translation.isApprox(1.2 * kForward + along_true_heading, 1e-9));
+  // the error across is also the standard deviation along
   EXPECT_GT(after.correction_covariance(0, 0), 0.1);
 }
 
-TEST(EstimateChoice, AtHomeAgainTheFlowHasNoWayBehindIt) {
+TEST(EstimateChoice, ResetsFlowTranslationAtTheReferencePose) {
   EstimateChoice choice({});
-  const MotionEstimate drifted = flow_at(0.5 * kAside, 0);
-  const EstimatePair home = seen(drifted, reference_towards(Vector3d::Zero()));
-  EXPECT_EQ(source_after(choice, home, kPatience), EstimateSource::reference);
-  EXPECT_EQ(source_after(choice, home, kPatience), EstimateSource::flow);
-  EXPECT_NEAR(choice.step(home).start_from_camera.translation.norm(), 0, 1e-12);
+  const MotionEstimate drifted = flow_at(0.5 * kLeft, 0);
+  const EstimatePair at_reference = pair_of(drifted, reference_towards(Vector3d::Zero()));
+  EXPECT_EQ(source_after(choice, at_reference, kPatience), EstimateSource::reference);
+  EXPECT_EQ(source_after(choice, at_reference, kPatience), EstimateSource::flow);
+  EXPECT_NEAR(choice.step(at_reference).initial_from_camera.translation.norm(), 0, 1e-12);
 }
 
-// From a later reference frame directions and ways count from there.
-TEST(EstimateChoice, ALaterReferenceIsAsGoodAsTheFirst) {
+// Directions and translations of a later reference frame count from its pose.
+TEST(EstimateChoice, ComparesFlowWithLaterReferenceFrame) {
   EstimateChoice choice({});
-  EstimatePair pair = seen(flow_at(2 * kAhead + 0.5 * kAside, 30), {});
-  pair.start_from_reference = {so3_exp({0, 0, 30 * kDegree}), 2 * kAhead};
-  pair.reference = reference_towards(so3_exp({0, 0, -30 * kDegree}) * kAside);
+  EstimatePair pair = pair_of(flow_at(2 * kForward + 0.5 * kLeft, 30), {});
+  pair.initial_from_reference = {so3_exp({0, 0, 30 * kDegree}), 2 * kForward};
+  pair.reference = reference_towards(so3_exp({0, 0, -30 * kDegree}) * kLeft);
   EXPECT_EQ(source_after(choice, pair, 20), EstimateSource::flow);
-  pair.reference = reference_towards(kAside);
+  pair.reference = reference_towards(kLeft);
   EXPECT_EQ(source_after(choice, pair, kPatience), EstimateSource::reference);
 }
 
-// The place stays where the answers had it, whatever the flow took the camera for while blind.
-TEST(EstimateChoice, AnInterruptedFlowIsTakenUpWithoutAJump) {
+// The position continues from the last decision, not from the flow's prediction.
+TEST(EstimateChoice, ResumesInterruptedFlowWithoutJump) {
   EstimateChoice choice({});
-  const EstimatePair before = seen(flow_at(kAhead), reference_towards(kAhead));
-  const Vector3d place = choice.step(before).start_from_camera.translation;
-  MotionEstimate astray = flow_at(kAhead + 3 * kAside);
-  EXPECT_EQ(choice.step(seen(lost(astray), reference_towards(kAhead))).source,
+  const EstimatePair before = pair_of(flow_at(kForward), reference_towards(kForward));
+  const Vector3d position = choice.step(before).initial_from_camera.translation;
+  MotionEstimate diverged = flow_at(kForward + 3 * kLeft);
+  EXPECT_EQ(choice.step(pair_of(lost(diverged), reference_towards(kForward))).source,
             EstimateSource::reference);
-  EXPECT_TRUE(choice.step(seen(astray, lost(reference_towards(kAhead))))
-                  .start_from_camera.translation.isApprox(place));
-  astray.displacement_in_reference += 0.1 * kAhead;
-  EXPECT_TRUE(choice.step(seen(astray, lost(reference_towards(kAhead))))
-                  .start_from_camera.translation.isApprox(1.1 * kAhead));
+  EXPECT_TRUE(choice.step(pair_of(diverged, lost(reference_towards(kForward))))
+                  .initial_from_camera.translation.isApprox(position));
+  diverged.displacement_in_reference += 0.1 * kForward;
+  EXPECT_TRUE(choice.step(pair_of(diverged, lost(reference_towards(kForward))))
+                  .initial_from_camera.translation.isApprox(1.1 * kForward));
 }
 
-TEST(EstimateChoice, WhatIsNoNumberIsLost) {
+TEST(EstimateChoice, TreatsNonFiniteEstimateAsLost) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EstimateChoice choice({});
-  const EstimateDecision one =
-      choice.step(seen(flow_at({nan, 0, 0}), reference_towards(kAhead, 1)));
-  EXPECT_EQ(one.source, EstimateSource::reference);
-  EXPECT_TRUE(one.start_from_camera.translation.allFinite());
-  const EstimateDecision other =
-      choice.step(seen(flow_at(kAhead), reference_towards({nan, nan, nan})));
-  EXPECT_EQ(other.source, EstimateSource::flow);
-  EXPECT_TRUE(other.start_from_camera.translation.allFinite());
+  const EstimateDecision by_reference =
+      choice.step(pair_of(flow_at({nan, 0, 0}), reference_towards(kForward, 1)));
+  EXPECT_EQ(by_reference.source, EstimateSource::reference);
+  EXPECT_TRUE(by_reference.initial_from_camera.translation.allFinite());
+  const EstimateDecision by_flow =
+      choice.step(pair_of(flow_at(kForward), reference_towards({nan, nan, nan})));
+  EXPECT_EQ(by_flow.source, EstimateSource::flow);
+  EXPECT_TRUE(by_flow.initial_from_camera.translation.allFinite());
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace stillkite {
 namespace {
 
-// 4 cm above its place on a tether that leads ahead and up: too little to reach a limit.
+// 4 cm above the reference position, tether ahead and up: no limit is reached.
 HoldInput displaced_input(Timestamp now) {
   HoldInput input{
       .now = now,
@@ -24,7 +24,7 @@ HoldInput displaced_input(Timestamp now) {
   return input;
 }
 
-// Visits every number below a config struct.
+// Visits every number of a config struct recursively.
 struct CheckDefaults {
   std::string path;
   int& numbers;
@@ -46,14 +46,14 @@ struct CheckDefaults {
   }
 };
 
-TEST(HoldConfig, EveryDefaultIsWithinItsRange) {
+TEST(HoldConfig, DefaultsAreWithinTheirRanges) {
   int numbers = 0;
   const HoldConfig config;
   HoldConfig::fields(config, CheckDefaults{"", numbers});
   EXPECT_EQ(numbers, 4 + 9 + (3 + 4 * 7) + (2 * 7 + 8));
 }
 
-// docs/hold_controller.md: the double pole at -1.5 /s for a lag of 0.5 s and a latency of 0.13 s.
+// Double pole at -1.5 /s for a lag of 0.5 s and a latency of 0.13 s (docs/hold_control.md).
 TEST(HoldConfig, PositionGainsPlaceTheirPoles) {
   const RecommendedHoldConfig config;
   constexpr double kPole_1_s = 1.5;
@@ -62,15 +62,15 @@ TEST(HoldConfig, PositionGainsPlaceTheirPoles) {
               2 * kPole_1_s + (config.lag_s + 0.13) * kPole_1_s * kPole_1_s, 0.02);
 }
 
-// The largest pole in tenths with pole x latency <= 0.4.
-TEST(HoldConfig, StateFeedbackPoleFollowsItsRule) {
+// Largest multiple of 0.1 /s with pole x latency <= 0.4.
+TEST(HoldConfig, StateFeedbackPoleFollowsItsDesignRule) {
   const double pole_1_s = RecommendedHoldConfig{}.state_feedback_pole_1_s;
   EXPECT_LE(pole_1_s * 0.13, 0.4);
   EXPECT_GT((pole_1_s + 0.1) * 0.13, 0.4);
 }
 
-// The speed of the relay lies between the station's and what comes to rest in the dead zone.
-TEST(HoldConfig, PaperGainsFollowTheirRule) {
+// The relay's speed is above the station's and below the limit for stopping within the dead zone.
+TEST(HoldConfig, PaperGainsFollowTheirDesignRule) {
   const PaperHoldConfig config;
   const double dead_zone_m = config.min_shift_px * 4 / 420;
   const double after_s = 1.5 * 0.206 + 0.5;
@@ -80,13 +80,13 @@ TEST(HoldConfig, PaperGainsFollowTheirRule) {
   }
 }
 
-// Commands that nobody obeys teach nothing: the same error gives the same command for ever.
-TEST(HoldConfig, InTheShadowNothingIsLearned) {
+// The commands are not executed: a constant error must give a constant command.
+TEST(HoldConfig, ShadowModeHasNoIntegralAction) {
   HoldConfig config;
   config.paper.length.integral = 1;
   for (const HoldMode mode : {HoldMode::paper, HoldMode::recommended}) {
     config.mode = mode;
-    HoldController controller(in_the_shadow(config));
+    HoldController controller(in_shadow_mode(config));
     std::optional<HoldDecision> first;
     for (int i = 0; i < 100; ++i) {
       const HoldDecision decision = controller.decide(displaced_input(from_seconds(i / 30.0)));

@@ -25,8 +25,8 @@ enum class Flaw { none, rotation, displacement, shift, parallax, attitude, zero_
 constexpr std::array kFlaws = {Flaw::none,     Flaw::rotation, Flaw::displacement,    Flaw::shift,
                                Flaw::parallax, Flaw::attitude, Flaw::zero_quaternion, Flaw::huge};
 
-enum class Tether { absent, stale, of_the_future, slack, not_finite, absurd, zenith, full, low };
-constexpr std::array kTethers = {Tether::absent, Tether::stale,      Tether::of_the_future,
+enum class Tether { absent, stale, in_the_future, slack, not_finite, absurd, zenith, full, low };
+constexpr std::array kTethers = {Tether::absent, Tether::stale,      Tether::in_the_future,
                                  Tether::slack,  Tether::not_finite, Tether::absurd,
                                  Tether::zenith, Tether::full,       Tether::low};
 
@@ -38,7 +38,7 @@ std::optional<TetherReading> reading(Tether kind) {
     case Tether::stale:
       r.stamp = from_seconds(9);
       break;
-    case Tether::of_the_future:
+    case Tether::in_the_future:
       r.stamp = from_seconds(10.1);
       break;
     case Tether::slack:
@@ -138,8 +138,8 @@ std::vector<Case> every_case() {
   return cases;
 }
 
-// What the documentation promises, in its order.
-HoldReason promised_reason(const Case& c) {
+// Expected reason, in the documented order of the tests.
+HoldReason expected_reason(const Case& c) {
   if (!c.status) return HoldReason::no_estimate;
   if (*c.status == EstimateStatus::lost) return HoldReason::estimate_lost;
   if (*c.status == EstimateStatus::gated) return HoldReason::estimate_gated;
@@ -149,14 +149,14 @@ HoldReason promised_reason(const Case& c) {
   if (c.age_s < 0 || c.age_s > 0.5) return HoldReason::estimate_stale;
   if (c.flaw != Flaw::none && c.flaw != Flaw::huge) return HoldReason::not_finite;
   if (c.tether == Tether::absent) return HoldReason::no_tether_reading;
-  if (c.tether == Tether::stale || c.tether == Tether::of_the_future) {
+  if (c.tether == Tether::stale || c.tether == Tether::in_the_future) {
     return HoldReason::tether_stale;
   }
   if (c.tether == Tether::slack && c.mode == HoldMode::paper) return HoldReason::tether_slack;
   if (c.tether == Tether::not_finite) return HoldReason::not_finite;
   if (c.tether == Tether::absurd) return HoldReason::tether_out_of_range;
-  const double most_rad = c.mode == HoldMode::paper ? 5 * kDegree : 20 * kDegree;
-  if (std::abs(c.yaw_rad) > most_rad) return HoldReason::angle_first;
+  const double max_yaw_rad = c.mode == HoldMode::paper ? 5 * kDegree : 20 * kDegree;
+  if (std::abs(c.yaw_rad) > max_yaw_rad) return HoldReason::angle_first;
   if (c.kind == DisplacementKind::unknown) return HoldReason::displacement_unknown;
   if (c.kind == DisplacementKind::zero && c.mode == HoldMode::paper) {
     return HoldReason::within_dead_band;
@@ -168,12 +168,12 @@ bool may_move(HoldReason reason) {
   return reason == HoldReason::none || reason == HoldReason::tether_slack;
 }
 
-bool may_turn(HoldReason reason) {
+bool may_yaw(HoldReason reason) {
   return reason == HoldReason::angle_first || reason == HoldReason::displacement_unknown ||
          may_move(reason);
 }
 
-void expect_sound(const HoldDecision& decision) {
+void expect_valid(const HoldDecision& decision) {
   const TetherCommand& c = decision.command;
   const bool moves =
       c.length_rate_m_s != 0 || c.elevation_rate_rad_s != 0 || c.azimuth_rate_rad_s != 0;
@@ -186,33 +186,33 @@ void expect_sound(const HoldDecision& decision) {
   ASSERT_TRUE(std::abs(c.elevation_rate_rad_s) <= 0.25);
   ASSERT_TRUE(std::abs(c.azimuth_rate_rad_s) <= 0.2);
   ASSERT_TRUE(std::abs(c.yaw_rate_rad_s) <= 0.4);
-  ASSERT_TRUE(decision.way_home_in_station_m.allFinite());
-  ASSERT_TRUE(std::isfinite(decision.turn_home_rad));
+  ASSERT_TRUE(decision.position_error_in_station_m.allFinite());
+  ASSERT_TRUE(std::isfinite(decision.yaw_error_rad));
 }
 
-TEST(HoldController, EveryCombinationCommandsOrHoldsWithItsReason) {
+TEST(HoldController, CommandsOrHoldsWithReasonInEveryCombination) {
   for (const Case& c : every_case()) {
     HoldConfig config{.mode = c.mode};
     HoldController controller(config);
     const HoldDecision decision = controller.decide(input_of(c));
-    expect_sound(decision);
+    expect_valid(decision);
     if (testing::Test::HasFatalFailure()) return;
-    const HoldReason promised = promised_reason(c);
-    if (promised == HoldReason::none && decision.reason == HoldReason::within_dead_band) {
+    const HoldReason expected = expected_reason(c);
+    if (expected == HoldReason::none && decision.reason == HoldReason::within_dead_band) {
       ASSERT_TRUE(c.kind == DisplacementKind::zero);
     } else {
-      ASSERT_EQ(name_of(decision.reason), name_of(promised));
+      ASSERT_EQ(name_of(decision.reason), name_of(expected));
     }
-    if (!may_turn(promised) && c.mode != HoldMode::paper) {
+    if (!may_yaw(expected) && c.mode != HoldMode::paper) {
       ASSERT_EQ(decision.action, HoldAction::hold);
     }
-    const bool healthy = promised == HoldReason::none && c.kind != DisplacementKind::zero;
-    // at the full and the low end a wanted rate may be all that is forbidden, never all three
+    const bool healthy = expected == HoldReason::none && c.kind != DisplacementKind::zero;
+    // the ends of length and elevation never suppress all three rates
     ASSERT_TRUE(!healthy || decision.action == HoldAction::command);
   }
 }
 
-TEST(HoldController, OneControllerSurvivesThemAll) {
+TEST(HoldController, StaysWithinLimitsOverAllInputsInSequence) {
   for (const HoldMode mode : {HoldMode::paper, HoldMode::recommended}) {
     HoldConfig config{.mode = mode};
     config.paper.length.integral = config.paper.yaw.integral = config.recommended.yaw.integral = 1;
@@ -226,14 +226,14 @@ TEST(HoldController, OneControllerSurvivesThemAll) {
       input.now.ns += later_ns;
       if (input.estimate) input.estimate->stamp.ns += later_ns;
       if (input.tether) input.tether->stamp.ns += later_ns;
-      expect_sound(controller.decide(input));
+      expect_valid(controller.decide(input));
       if (testing::Test::HasFatalFailure()) return;
     }
   }
 }
 
-// Steered by as long as it is good to 10 cm in all, and never by a covariance that is no number.
-TEST(HoldController, APredictedPlaceCountsWhileItsCovarianceIsSmall) {
+// Limit: 10 cm standard deviation over all axes. A covariance that is not finite is rejected.
+TEST(HoldController, UsesPredictedPositionWhileItsCovarianceIsSmall) {
   const auto reason_at = [](double variance_m2) {
     Case c{.status = EstimateStatus::predicted, .kind = DisplacementKind::metric};
     HoldInput input = input_of(c);
@@ -245,9 +245,9 @@ TEST(HoldController, APredictedPlaceCountsWhileItsCovarianceIsSmall) {
   EXPECT_EQ(reason_at(std::numeric_limits<double>::quiet_NaN()), HoldReason::estimate_lost);
 }
 
-// The drone hangs below its place, overhead, and its tether is slack: it is steered, but the reel
-// pays out no more than `max_slack_m` beyond what it had while taut.
-TEST(HoldController, ASlackTetherIsSteeredAndNotPaidOutForEver) {
+// Drone below the reference position, at the zenith, tether slack: the reel pays out at most
+// `max_slack_m` beyond the last taut length.
+TEST(HoldController, LimitsLengthPaidOutWhileSlack) {
   HoldConfig config;
   HoldController controller(config);
   HoldInput input = input_of({.tether = Tether::zenith});
@@ -265,7 +265,7 @@ TEST(HoldController, ASlackTetherIsSteeredAndNotPaidOutForEver) {
   EXPECT_GT(length_rate_at(12.1, true), 0.2);
 }
 
-TEST(HoldController, AClockThatRunsBackStartsAfresh) {
+TEST(HoldController, ResetsWhenTheClockRunsBackwards) {
   HoldController used({}), fresh({});
   HoldInput input = input_of({});
   for (int k = 0; k < 100; ++k) {
@@ -273,24 +273,24 @@ TEST(HoldController, AClockThatRunsBackStartsAfresh) {
     input.estimate->stamp = input.tether->stamp = input.now;
     (void)used.decide(input);
   }
-  const HoldDecision again = used.decide(input_of({}));
-  EXPECT_EQ(again.command.elevation_rate_rad_s,
+  const HoldDecision after_reset = used.decide(input_of({}));
+  EXPECT_EQ(after_reset.command.elevation_rate_rad_s,
             fresh.decide(input_of({})).command.elevation_rate_rad_s);
 }
 
-TEST(HoldController, ThePapersTestOnTiltCanWaitForEver) {
+TEST(HoldController, HoldsOnTiltInPaperModeOnly) {
   Case c{.mode = HoldMode::paper};
   HoldInput input = input_of(c);
   input.estimate->reference_from_camera = so3_exp({6 * kDegree, 0, 0});
   HoldController paper(HoldConfig{.mode = HoldMode::paper});
-  const HoldDecision waits = paper.decide(input);
-  EXPECT_EQ(waits.action, HoldAction::hold);
-  EXPECT_EQ(waits.reason, HoldReason::angle_first);
+  const HoldDecision held = paper.decide(input);
+  EXPECT_EQ(held.action, HoldAction::hold);
+  EXPECT_EQ(held.reason, HoldReason::angle_first);
   HoldController recommended({});
   EXPECT_EQ(recommended.decide(input).reason, HoldReason::none);
 }
 
-TEST(HoldController, ThePaperDoesNothingUpToTwentyPixels) {
+TEST(HoldController, HoldsUpToTwentyPixelsInPaperMode) {
   HoldInput input = input_of({.mode = HoldMode::paper, .yaw_rad = 0.05});
   HoldController controller(HoldConfig{.mode = HoldMode::paper});
   input.estimate->mean_shift_px = 20;
@@ -299,34 +299,34 @@ TEST(HoldController, ThePaperDoesNothingUpToTwentyPixels) {
   EXPECT_EQ(controller.decide(input).action, HoldAction::command);
 }
 
-TEST(HoldController, UnknownLengthIsNominalDepthTimesParallax) {
+TEST(HoldController, EstimatesUnknownLengthByDepthTimesParallax) {
   HoldController controller({});
   const HoldDecision d = controller.decide(input_of({.kind = DisplacementKind::direction}));
-  EXPECT_NEAR(d.way_home_in_station_m.norm(), 4.0 * 0.1, 1e-12);
+  EXPECT_NEAR(d.position_error_in_station_m.norm(), 4.0 * 0.1, 1e-12);
 }
 
-TEST(HoldController, ZeroDisplacementKeepsTheLearnedDriftOnly) {
+TEST(HoldController, CommandsIntegratedDriftAtZeroDisplacement) {
   HoldConfig config;
   config.recommended.predict = false;
   config.recommended.position.integral = 1;
   HoldController controller(config);
   HoldInput input = input_of({.tether = Tether::zenith});
   input.tether->tether = {5, 1, 0.3};
-  const auto at = [&](double t_s, const Vector3d& way_home) {
+  const auto at = [&](double t_s, const Vector3d& error_m) {
     input.now = input.estimate->stamp = input.tether->stamp = from_seconds(t_s);
     input.estimate->displacement_kind =
-        way_home.isZero() ? DisplacementKind::zero : DisplacementKind::metric;
-    input.estimate->displacement_in_reference = forward_camera().conjugate() * -way_home;
+        error_m.isZero() ? DisplacementKind::zero : DisplacementKind::metric;
+    input.estimate->displacement_in_reference = forward_camera().conjugate() * -error_m;
     const TetherCommand c = controller.decide(input).command;
     return Vector3d(velocity_in_station_m_s({5, 1, 0.3}, c));
   };
   (void)at(0, {0.05, 0, 0});
   for (int k = 1; k <= 100; ++k) (void)at(0.01 * k, {0.05, 0, 0});
-  // the integral of what is beyond the dead band of 2 cm, over a second
+  // integral of the error beyond the dead band of 2 cm over one second
   const Vector3d drift = at(1.01, Vector3d::Zero());
   EXPECT_NEAR(drift.x(), 0.03, 1e-6);
   EXPECT_LT(drift.tail<2>().norm(), 1e-9);
-  // after a longer loss it is forgotten
+  // a longer loss resets it
   input.estimate->status = EstimateStatus::lost;
   EXPECT_EQ(at(2, Vector3d::Zero()).norm(), 0);
   input.estimate->status = EstimateStatus::ok;
@@ -334,7 +334,7 @@ TEST(HoldController, ZeroDisplacementKeepsTheLearnedDriftOnly) {
   EXPECT_EQ(at(5, Vector3d::Zero()).norm(), 0);
 }
 
-TEST(HoldController, AnAzimuthThatCannotTurnIsNotTurned) {
+TEST(HoldController, CommandsNoAzimuthRateAtZeroRateLimit) {
   HoldConfig config;
   config.limits.azimuth_rate_rad_s = 0;
   for (const Vector3d& velocity_m_s : {Vector3d(0, 0, 0), Vector3d(0.2, 0.1, 0)}) {
@@ -351,14 +351,14 @@ TEST(HoldController, AnAzimuthThatCannotTurnIsNotTurned) {
   }
 }
 
-// Overhead the azimuth turns to where a drift leads; after a longer loss it does not know of it.
-TEST(HoldController, TheDriftThatTurnsTheAzimuthIsForgotten) {
+// Near the zenith the azimuth rotates towards the drift; a longer loss resets the drift.
+TEST(HoldController, ResetsAzimuthDriftAfterLongLoss) {
   HoldController used({}), fresh({});
   HoldInput input = input_of({.tether = Tether::zenith});
   input.estimate->displacement_in_reference.setZero();
-  const auto azimuth_rate_at = [&](HoldController& controller, double t_s, double aside_m_s) {
+  const auto azimuth_rate_at = [&](HoldController& controller, double t_s, double lateral_m_s) {
     input.now = input.estimate->stamp = input.tether->stamp = from_seconds(t_s);
-    input.estimate->twist_in_camera = Twist{.velocity_m_s = {aside_m_s, 0, 0}};
+    input.estimate->twist_in_camera = Twist{.velocity_m_s = {lateral_m_s, 0, 0}};
     return controller.decide(input).command.azimuth_rate_rad_s;
   };
   double drifting_rad_s = 0;
@@ -370,7 +370,7 @@ TEST(HoldController, TheDriftThatTurnsTheAzimuthIsForgotten) {
   EXPECT_NEAR(azimuth_rate_at(used, 8, 0), azimuth_rate_at(fresh, 8, 0), 0.03);
 }
 
-TEST(HoldController, RejectsALengthWithoutRange) {
+TEST(HoldController, RejectsEmptyLengthRange) {
   HoldConfig config;
   config.limits.min_length_m = 20;
   EXPECT_THROW(HoldController{config}, InputError);

@@ -23,8 +23,8 @@ class RandomScene {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
   Vector3d direction() { return Vector3d(in(-1, 1), in(-1, 1), in(-1, 1)).normalized(); }
-  Quaterniond turn(double most_rad) { return so3_exp(in(0, most_rad) * direction()); }
-  Quaterniond camera() { return so3_exp({0, 0, in(-pi, pi)}) * forward_camera() * turn(0.6); }
+  Quaterniond rotation(double max_rad) { return so3_exp(in(0, max_rad) * direction()); }
+  Quaterniond camera() { return so3_exp({0, 0, in(-pi, pi)}) * forward_camera() * rotation(0.6); }
 
  private:
   std::mt19937 random_{3};
@@ -45,15 +45,15 @@ HoldDecision decide_once(const HoldConfig& config, const MotionEstimate& estimat
                             .station_from_camera = station_from_camera});
 }
 
-TEST(HoldGeometry, TheEstimatesConventionIsThatOfTheRoomsPoints) {
+TEST(HoldGeometry, EstimateTransformsScenePoints) {
   RandomScene random;
   const RigidTransform reference{random.camera(), {0, 0, 2}};
   const RigidTransform camera{random.camera(), {0.3, -0.2, 2.1}};
   const MotionEstimate e = exact_estimate(reference, camera);
   for (int k = 0; k < 20; ++k) {
-    const Vector3d corner = 5 * random.direction();
-    const Vector3d in_camera = camera.inverse() * corner;
-    const Vector3d in_reference = reference.inverse() * corner;
+    const Vector3d point = 5 * random.direction();
+    const Vector3d in_camera = camera.inverse() * point;
+    const Vector3d in_reference = reference.inverse() * point;
     const Quaterniond camera_from_reference = e.reference_from_camera.conjugate();
     EXPECT_LT(
         (in_camera - camera_from_reference * (in_reference - e.displacement_in_reference)).norm(),
@@ -61,27 +61,28 @@ TEST(HoldGeometry, TheEstimatesConventionIsThatOfTheRoomsPoints) {
   }
 }
 
-TEST(HoldGeometry, WayHomeLeadsToTheReferenceAtAnyAttitude) {
+TEST(HoldGeometry, PositionErrorPointsToReferenceAtAnyAttitude) {
   RandomScene random;
   for (int k = 0; k < 2000; ++k) {
     const RigidTransform reference{random.camera(), 5 * random.direction()};
     const RigidTransform camera{random.camera(), 5 * random.direction()};
-    const Vector3d way = way_home_in_station(exact_estimate(reference, camera), camera.rotation);
-    ASSERT_LT((way - (reference.translation - camera.translation)).norm(), 1e-12);
+    const Vector3d error =
+        position_error_in_station(exact_estimate(reference, camera), camera.rotation);
+    ASSERT_LT((error - (reference.translation - camera.translation)).norm(), 1e-12);
   }
 }
 
-TEST(HoldGeometry, TurnHomeIsTheYawThatTheCameraHasTurned) {
+TEST(HoldGeometry, YawErrorIsMinusTheYawRotation) {
   RandomScene random;
   for (int k = 0; k < 2000; ++k) {
     const double left_rad = random.in(-pi, pi);
     const RigidTransform reference{random.camera(), {0, 0, 2}};
     const RigidTransform camera{so3_exp({0, 0, left_rad}) * reference.rotation, {0, 0, 2}};
-    ASSERT_NEAR(turn_home_rad(exact_estimate(reference, camera), camera.rotation), -left_rad, 1e-9);
+    ASSERT_NEAR(yaw_error_rad(exact_estimate(reference, camera), camera.rotation), -left_rad, 1e-9);
   }
 }
 
-TEST(HoldGeometry, ThePapersThetaYOfALevelCameraThatTurnedLeft) {
+TEST(HoldGeometry, PaperThetaYIsYawOfLevelCamera) {
   for (const double left_rad : {-1.2, -0.1, 0.2, 1.0}) {
     const RigidTransform reference{forward_camera(), {0, 0, 2}};
     const RigidTransform camera{so3_exp({0, 0, left_rad}) * forward_camera(), {0, 0, 2}};
@@ -97,17 +98,17 @@ TEST(HoldGeometry, ThePapersThetaYOfALevelCameraThatTurnedLeft) {
   }
 }
 
-TEST(HoldGeometry, RecommendedMovesStraightHome) {
+TEST(HoldGeometry, RecommendedModeMovesStraightToReference) {
   RandomScene random;
   int exact = 0;
   for (int k = 0; k < 5000; ++k) {
     TetherState tether{random.in(1, 18), random.in(0.2, pi - 0.2), random.in(-4, 4)};
-    // what is seen overhead is kept there
+    // the tether model initializes at the zenith
     if (position_in_station(tether).head<2>().norm() < 0.5) tether = {tether.length_m, pi / 2, 0};
     const Vector3d displacement = random.in(0.001, 1.5) * random.direction();
     const RigidTransform camera{random.camera(), position_in_station(tether)};
     const RigidTransform reference{
-        so3_exp({0, 0, random.in(-0.3, 0.3)}) * camera.rotation * random.turn(0.2),
+        so3_exp({0, 0, random.in(-0.3, 0.3)}) * camera.rotation * random.rotation(0.2),
         camera.translation - displacement};
     const HoldDecision decision =
         decide_once(without_dead_band(HoldMode::recommended), exact_estimate(reference, camera),
@@ -130,13 +131,13 @@ TEST(HoldGeometry, RecommendedMovesStraightHome) {
   EXPECT_GT(exact, 300);
 }
 
-TEST(HoldGeometry, PaperMovesHomeByItsUnitTranslation) {
+TEST(HoldGeometry, PaperModeMovesToReferenceByUnitTranslation) {
   RandomScene random;
   for (int k = 0; k < 5000; ++k) {
     const TetherState tether{random.in(4, 18), random.in(0.3, 1.0), random.in(-4, 4)};
     const Vector3d displacement = random.in(0.001, 3) * random.direction();
     const RigidTransform camera{random.camera(), position_in_station(tether)};
-    const RigidTransform reference{camera.rotation * random.turn(4 * kDegree),
+    const RigidTransform reference{camera.rotation * random.rotation(4 * kDegree),
                                    camera.translation - displacement};
     MotionEstimate estimate = exact_estimate(reference, camera);
     estimate.displacement_kind = DisplacementKind::direction;
@@ -144,8 +145,8 @@ TEST(HoldGeometry, PaperMovesHomeByItsUnitTranslation) {
     const HoldDecision decision =
         decide_once(without_dead_band(HoldMode::paper), estimate, tether, camera.rotation);
     ASSERT_EQ(decision.reason, HoldReason::none);
-    ASSERT_NEAR(decision.way_home_in_station_m.norm(), 1, 1e-12);
-    // rates along an arc of up to 1 m at 4 m and more, each limited by itself
+    ASSERT_NEAR(decision.position_error_in_station_m.norm(), 1, 1e-12);
+    // arc of up to 1 m at 4 m or more, each rate limited separately
     const Vector3d velocity = velocity_in_station_m_s(tether, decision.command);
     ASSERT_GT(velocity.normalized().dot(-displacement.normalized()), 0.7);
   }

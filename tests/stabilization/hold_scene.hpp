@@ -8,14 +8,14 @@
 
 namespace stillkite {
 
-/// A level camera that looks along x: its x is right, its y down, its z forward.
+/// Attitude of a level camera that points along x: its x is right, its y down, its z forward.
 [[nodiscard]] inline Eigen::Quaterniond forward_camera() {
   Eigen::Matrix3d R;
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   return Eigen::Quaterniond(R);
 }
 
-/// What an estimator without error says of two poses in one frame.
+/// Exact motion estimate between two poses.
 [[nodiscard]] inline MotionEstimate exact_estimate(const RigidTransform& station_from_reference,
                                                    const RigidTransform& station_from_camera) {
   const RigidTransform reference_from_camera =

@@ -44,23 +44,23 @@ TEST(Pid, IntegralFollowsARampWithoutError) {
   EXPECT_NEAR(error_on_ramp(1), 0, 1e-9);
 }
 
-// The most that the plant passes its target of 1 by; its speed is limited to 0.1.
+// Overshoot of an integrating plant with speed limit 0.1 over its target of 1.
 double overshoot(double integral_limit, bool bounded) {
   PidConfig config{.proportional = 1, .integral = 0.25, .integral_limit = integral_limit};
   config.output_limit = bounded ? 0.1 : 1e9;
   PidState state;
   double x = 0;
-  double most = 0;
+  double max_overshoot = 0;
   for (int k = 0; k < 6000; ++k) {
     const PidStep now = step(config, state, 1 - x, kSample_s);
     state = now.state;
     x += kSample_s * std::clamp(now.output, -0.1, 0.1);
-    most = std::max(most, x - 1);
+    max_overshoot = std::max(max_overshoot, x - 1);
   }
-  return most;
+  return max_overshoot;
 }
 
-TEST(Pid, TheIntegralDoesNotWindUpAtTheLimit) {
+TEST(Pid, IntegralDoesNotWindUpAtTheLimit) {
   // P = 1, I = 1/4 is a double pole at -1/2: entered at error 0.1 with an empty integral the error
   // is (0.1 - 0.05 t) exp(-t/2), whose least is -0.1 exp(-2) at t = 4 s
   EXPECT_NEAR(overshoot(10, true), 0.1 * std::exp(-2), 5e-4);
@@ -100,7 +100,7 @@ TEST(Pid, OutputAndSlewStayWithinTheirBounds) {
   }
 }
 
-TEST(Pid, WhatIsNotFiniteChangesNothing) {
+TEST(Pid, IgnoresNonFiniteInputs) {
   const PidConfig config{.integral = 1};
   const PidState state = step(config, {}, 0.3, kSample_s).state;
   for (const double error : {kNotANumber, std::numeric_limits<double>::infinity()}) {

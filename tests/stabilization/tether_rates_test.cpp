@@ -13,7 +13,7 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kDamped_m = 0.5;
-constexpr double kOverhead_m = 2;
+constexpr double kZenithRadius_m = 2;
 
 class RandomTether {
  public:
@@ -46,29 +46,29 @@ TEST(TetherRates, InverseIsExactAwayFromTheZenith) {
   RandomTether random;
   for (int k = 0; k < 1000; ++k) {
     const TetherState t = random.state();
-    if (std::abs(t.length_m * std::cos(t.elevation_rad)) < kOverhead_m) continue;
+    if (std::abs(t.length_m * std::cos(t.elevation_rad)) < kZenithRadius_m) continue;
     const Eigen::Vector3d v = random.velocity();
-    const TetherCommand c = rates_for_velocity(t, v, kDamped_m, {kOverhead_m, 0.1});
+    const TetherCommand c = rates_for_velocity(t, v, kDamped_m, {kZenithRadius_m, 0.1});
     ASSERT_LT((velocity_in_station_m_s(t, c) - v).norm(), 1e-12);
   }
 }
 
-TEST(TetherRates, NearTheZenithRatesWithoutATurnAreBoundedAndNeverLeadAway) {
+TEST(TetherRates, RatesNearZenithAreBoundedAndReduceTheError) {
   RandomTether random;
   for (int k = 0; k < 20000; ++k) {
     TetherState t = random.state();
-    t.elevation_rad = pi / 2 + random.in(-1, 1) * kOverhead_m / t.length_m;
+    t.elevation_rad = pi / 2 + random.in(-1, 1) * kZenithRadius_m / t.length_m;
     const Eigen::Vector3d v = random.velocity();
-    const TetherCommand c = rates_for_velocity(t, v, kDamped_m, {kOverhead_m, 0});
-    ASSERT_LE(std::abs(c.azimuth_rate_rad_s), v.norm() / kOverhead_m + 1e-12);
+    const TetherCommand c = rates_for_velocity(t, v, kDamped_m, {kZenithRadius_m, 0});
+    ASSERT_LE(std::abs(c.azimuth_rate_rad_s), v.norm() / kZenithRadius_m + 1e-12);
     ASSERT_GE(velocity_in_station_m_s(t, c).dot(v), -1e-12);
   }
 }
 
-TEST(TetherRates, ATurnOverheadFadesToTheEdge) {
+TEST(TetherRates, ZenithAzimuthRateFadesWithSquaredLever) {
   const auto rate_rad_s = [](double lever_m) {
     const TetherState t{5, std::acos(lever_m / 5), 0.7};
-    return rates_for_velocity(t, Eigen::Vector3d::Zero(), kDamped_m, {kOverhead_m, 0.2})
+    return rates_for_velocity(t, Eigen::Vector3d::Zero(), kDamped_m, {kZenithRadius_m, 0.2})
         .azimuth_rate_rad_s;
   };
   EXPECT_NEAR(rate_rad_s(0), 0.2, 1e-9);
@@ -78,7 +78,7 @@ TEST(TetherRates, ATurnOverheadFadesToTheEdge) {
   EXPECT_EQ(rate_rad_s(3), 0);
 }
 
-TEST(TetherRates, NoRateBeyondItsLimitOrItsEnd) {
+TEST(TetherRates, RatesRespectLimitsAndEnds) {
   RandomTether random;
   const VehicleLimits limits;
   for (int k = 0; k < 10000; ++k) {
@@ -96,7 +96,7 @@ TEST(TetherRates, NoRateBeyondItsLimitOrItsEnd) {
   }
 }
 
-TEST(TetherRates, ALaggingDroneStopsBeforeTheEnd) {
+TEST(TetherRates, LaggingDroneStopsBeforeTheEnd) {
   double length_m = 18, rate_m_s = 0;
   for (int k = 0; k < 4000; ++k) {
     const TetherCommand c = within_limits({}, {length_m, 1, 0}, {.length_rate_m_s = 1});

@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A level coordinated turn: bank constant, heading at a constant rate, speed along the body's x.
-struct Turn {
+// Level coordinated turn: constant bank and heading rate, speed along body x.
+struct CoordinatedTurn {
   double bank_rad = 25 * kDegree;
   double heading_rate_rad_s = 0.3;
   double speed_m_s = 12;
@@ -29,8 +29,8 @@ struct Turn {
   }
 };
 
-double turn_error_by_euler(int steps) {
-  const Turn turn;
+double euler_error_in_turn(int steps) {
+  const CoordinatedTurn turn;
   constexpr double kDuration_s = 20;
   const double dt = kDuration_s / steps;
   RigidTransform pose = turn.pose(0);
@@ -42,7 +42,7 @@ double turn_error_by_euler(int steps) {
   return (pose.translation - turn.pose(kDuration_s).translation).norm();
 }
 
-// A body that tumbles: rates that the closed form of a step does not contain.
+// Tumbling body: rate varies within a step.
 Vector3d tumbling_rate(double t_s) {
   return {0.5 * std::cos(1.1 * t_s), 0.4 * std::sin(0.7 * t_s), 0.6};
 }
@@ -56,21 +56,21 @@ Eigen::Quaterniond tumbled(double duration_s, int steps) {
   return pose.rotation;
 }
 
-TEST(Integration, StraightLineIsExact) {
+TEST(Integration, IsExactForConstantVelocity) {
   const Vector3d velocity(3, -2, 0.5);
   RigidTransform euler{to_quaternion({.yaw_rad = 1, .pitch_rad = 0.2, .roll_rad = -0.1}),
                        {1, 2, 30}};
   RigidTransform exact = euler;
-  const Vector3d start = euler.translation;
+  const Vector3d initial = euler.translation;
   for (int k = 0; k < 250; ++k) {
     euler = integrate_euler(euler, velocity, Vector3d::Zero(), Vector6d::Zero(), 0.04);
     exact = integrate_twist(exact, {exact.rotation.conjugate() * velocity, Vector3d::Zero()}, 0.04);
   }
-  EXPECT_LT((euler.translation - (start + 10 * velocity)).norm(), 1e-10);
-  EXPECT_LT((exact.translation - (start + 10 * velocity)).norm(), 1e-10);
+  EXPECT_LT((euler.translation - (initial + 10 * velocity)).norm(), 1e-10);
+  EXPECT_LT((exact.translation - (initial + 10 * velocity)).norm(), 1e-10);
 }
 
-TEST(Integration, ConstantAccelerationIsExact) {
+TEST(Integration, EulerIsExactForConstantAcceleration) {
   Vector6d a;
   a << 0.5, 0, -0.2, 0, 0, 0.1;
   Vector3d velocity(1, 0, 0);
@@ -86,31 +86,31 @@ TEST(Integration, ConstantAccelerationIsExact) {
   EXPECT_NEAR(to_euler(pose.rotation).yaw_rad, 0.2 * 5 + 0.05 * 25, 1e-10);
 }
 
-TEST(Integration, CoordinatedTurnIsExactOnTheManifold) {
-  const Turn turn;
+TEST(Integration, TwistIsExactInCoordinatedTurn) {
+  const CoordinatedTurn turn;
   RigidTransform pose = turn.pose(0);
-  for (int k = 0; k < 8; ++k) {  // steps of 43 degrees
+  for (int k = 0; k < 8; ++k) {  // 43 deg per step
     pose = integrate_twist(pose, {Vector3d(turn.speed_m_s, 0, 0), turn.rate_in_body()}, 2.5);
   }
   EXPECT_LT((pose.translation - turn.pose(20).translation).norm(), 1e-9);
   EXPECT_LT(angle_between_rad(pose.rotation, turn.pose(20).rotation), 1e-9);
 }
 
-TEST(Integration, CoordinatedTurnByEulerIsOfFirstOrder) {
-  const double coarse = turn_error_by_euler(500);
-  const double fine = turn_error_by_euler(1000);
+TEST(Integration, EulerIsFirstOrderInCoordinatedTurn) {
+  const double coarse = euler_error_in_turn(500);
+  const double fine = euler_error_in_turn(1000);
   EXPECT_NEAR(coarse / fine, 2, 0.02);
   EXPECT_LT(coarse, 0.3);
 }
 
-TEST(Integration, TumblingOnTheManifoldIsOfSecondOrder) {
+TEST(Integration, TwistIsSecondOrderForTumbling) {
   const Eigen::Quaterniond truth = tumbled(5, 64000);
   const double coarse = angle_between_rad(tumbled(5, 100), truth);
   const double fine = angle_between_rad(tumbled(5, 200), truth);
   EXPECT_NEAR(coarse / fine, 4, 0.1);
 }
 
-TEST(Integration, YawPassesHalfATurnWithoutAJump) {
+TEST(Integration, YawIsContinuousAcrossPi) {
   for (const double rate : {0.9, -0.9}) {
     RigidTransform euler{to_quaternion({.yaw_rad = rate > 0 ? 2.9 : -2.9, .pitch_rad = 0.1}),
                          Vector3d::Zero()};
@@ -128,30 +128,29 @@ TEST(Integration, YawPassesHalfATurnWithoutAJump) {
   }
 }
 
-// At 20 degrees of tilt the body's rates are not the angles' rates.
-TEST(Integration, PaperModeTurnsRatesIntoThoseOfTheAnglesAtTwentyDegreesOfTilt) {
-  const EulerAngles start{.yaw_rad = 0.3, .pitch_rad = 14 * kDegree, .roll_rad = 14.4 * kDegree};
-  ASSERT_NEAR(tilt_rad(to_quaternion(start)), 20 * kDegree, 0.1 * kDegree);
+TEST(Integration, EulerConvertsBodyRatesToAngleRates) {
+  const EulerAngles initial{.yaw_rad = 0.3, .pitch_rad = 14 * kDegree, .roll_rad = 14.4 * kDegree};
+  ASSERT_NEAR(tilt_rad(to_quaternion(initial)), 20 * kDegree, 0.1 * kDegree);
   const Vector3d rate(0.02, -0.03, 0.25);
   constexpr double kDuration_s = 4;
-  const Eigen::Quaterniond truth = to_quaternion(start) * so3_exp(rate * kDuration_s);
+  const Eigen::Quaterniond truth = to_quaternion(initial) * so3_exp(rate * kDuration_s);
 
   const auto error_of = [&](int steps) {
-    RigidTransform pose{to_quaternion(start), Vector3d::Zero()};
+    RigidTransform pose{to_quaternion(initial), Vector3d::Zero()};
     for (int k = 0; k < steps; ++k) {
       pose = integrate_euler(pose, Vector3d::Zero(), rate, Vector6d::Zero(), kDuration_s / steps);
     }
     return angle_between_rad(pose.rotation, truth);
   };
-  const double error = error_of(100);  // 25 frames a second
+  const double error = error_of(100);  // 25 frames/s
   EXPECT_LT(error, 0.3 * kDegree);
   EXPECT_NEAR(error / error_of(200), 2, 0.05);
 
-  const Eigen::Quaterniond rates_taken_as_equal =
-      to_quaternion({.yaw_rad = start.yaw_rad + rate.z() * kDuration_s,
-                     .pitch_rad = start.pitch_rad + rate.y() * kDuration_s,
-                     .roll_rad = start.roll_rad + rate.x() * kDuration_s});
-  EXPECT_GT(angle_between_rad(rates_taken_as_equal, truth), 10 * kDegree);
+  const Eigen::Quaterniond with_equal_rates =
+      to_quaternion({.yaw_rad = initial.yaw_rad + rate.z() * kDuration_s,
+                     .pitch_rad = initial.pitch_rad + rate.y() * kDuration_s,
+                     .roll_rad = initial.roll_rad + rate.x() * kDuration_s});
+  EXPECT_GT(angle_between_rad(with_equal_rates, truth), 10 * kDegree);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ constexpr double kVelocityNoise = 0.3 * 0.3;
 constexpr double kRateProcess = 0.017 * 0.017;
 constexpr double kRateNoise = 0.00015 * 0.00015;
 
-TEST(KalmanFilter, StepIsEquationFive) {
+TEST(KalmanFilter, CorrectionIsPaperEquationFive) {
   const double P = 0.04;
   const AxisEstimate predicted = predict_axis({2.0, P}, 0.5, 0.04, kVelocityProcess);
   EXPECT_DOUBLE_EQ(predicted.value, 2.0 + 0.5 * 0.04);
@@ -24,7 +24,7 @@ TEST(KalmanFilter, StepIsEquationFive) {
   EXPECT_DOUBLE_EQ(corrected.value, K * 3.0 + (1 - K) * (2.0 + 0.5 * 0.04));
   EXPECT_DOUBLE_EQ(corrected.variance, kVelocityNoise * (P + kVelocityProcess) /
                                            (P + kVelocityProcess + kVelocityNoise));
-  // the paper's gain minimises this, the variance of (3)'s error (Joseph's form)
+  // the gain minimises the error variance (Joseph form)
   const auto joseph = [&](double k) {
     return (1 - k) * (1 - k) * (P + kVelocityProcess) + k * k * kVelocityNoise;
   };
@@ -33,7 +33,7 @@ TEST(KalmanFilter, StepIsEquationFive) {
   EXPECT_LT(joseph(K), joseph(K - 1e-3));
 }
 
-TEST(KalmanFilter, SettlesWhereTheClosedFormSays) {
+TEST(KalmanFilter, ConvergesToClosedFormSteadyState) {
   const AxisSteadyState velocity = axis_steady_state(kVelocityProcess, kVelocityNoise);
   EXPECT_NEAR(velocity.variance, 0.025414, 5e-7);
   EXPECT_NEAR(velocity.gain, 0.28238, 5e-6);
@@ -47,7 +47,7 @@ TEST(KalmanFilter, SettlesWhereTheClosedFormSays) {
   EXPECT_NEAR(axis.value, 1.0, 1e-12);
 }
 
-TEST(KalmanFilter, AnErrorFadesWithTheSteadyGain) {
+TEST(KalmanFilter, ErrorDecaysWithSteadyStateGain) {
   const double K = axis_steady_state(kVelocityProcess, kVelocityNoise).gain;
   AxisEstimate axis{1, K * kVelocityNoise};
   for (int k = 1; k <= 20; ++k) {
@@ -56,25 +56,25 @@ TEST(KalmanFilter, AnErrorFadesWithTheSteadyGain) {
   }
 }
 
-TEST(KalmanFilter, KnownAccelerationLeavesNoLag) {
+TEST(KalmanFilter, AccelerationInputRemovesLag) {
   const double K = axis_steady_state(kVelocityProcess, kVelocityNoise).gain;
   constexpr double kAcceleration = 2;
   constexpr double kStep_s = 0.04;
-  AxisEstimate told{0, K * kVelocityNoise};
-  AxisEstimate untold = told;
+  AxisEstimate with_input{0, K * kVelocityNoise};
+  AxisEstimate without_input = with_input;
   double truth = 0;
   for (int k = 0; k < 300; ++k) {
     truth += kAcceleration * kStep_s;
-    told = correct_axis(predict_axis(told, kAcceleration, kStep_s, kVelocityProcess), truth,
-                        kVelocityNoise);
-    untold =
-        correct_axis(predict_axis(untold, 0, kStep_s, kVelocityProcess), truth, kVelocityNoise);
+    with_input = correct_axis(predict_axis(with_input, kAcceleration, kStep_s, kVelocityProcess),
+                              truth, kVelocityNoise);
+    without_input = correct_axis(predict_axis(without_input, 0, kStep_s, kVelocityProcess), truth,
+                                 kVelocityNoise);
   }
-  EXPECT_NEAR(told.value, truth, 1e-10);
-  EXPECT_NEAR(truth - untold.value, kAcceleration * kStep_s * (1 - K) / K, 1e-10);
+  EXPECT_NEAR(with_input.value, truth, 1e-10);
+  EXPECT_NEAR(truth - without_input.value, kAcceleration * kStep_s * (1 - K) / K, 1e-10);
 }
 
-TEST(KalmanFilter, CovarianceIsHonest) {
+TEST(KalmanFilter, CovarianceIsConsistent) {
   constexpr int kSteps = 20000;
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -87,13 +87,13 @@ TEST(KalmanFilter, CovarianceIsHonest) {
                         kVelocityNoise);
     squares += (axis.value - truth) * (axis.value - truth) / axis.variance;
   }
-  // neighbours' errors are correlated by 1 - K, which widens the 99 % band
+  // consecutive errors have correlation 1 - K: fewer effective samples in the 99 % band
   const double rho = 1 - axis_steady_state(kVelocityProcess, kVelocityNoise).gain;
   const double effective = kSteps * (1 - rho * rho) / (1 + rho * rho);
   EXPECT_NEAR(squares / kSteps, 1, 2.576 * std::sqrt(2 / effective));
 }
 
-TEST(KalmanFilter, SixAxesTakeThePapersVariancesOrTheirOwn) {
+TEST(KalmanFilter, UsesFixedOrMeasuredVariance) {
   const AxisMeasurement measured{Vector6d::Ones(), Vector6d::Constant(4.0)};
   AxisEstimates state;
   state.fill({0, 1});
@@ -101,13 +101,13 @@ TEST(KalmanFilter, SixAxesTakeThePapersVariancesOrTheirOwn) {
   EXPECT_DOUBLE_EQ(fixed[1].value,
                    (1 + kVelocityProcess) / (1 + kVelocityProcess + kVelocityNoise));
   EXPECT_DOUBLE_EQ(fixed[5].value, (1 + kRateProcess) / (1 + kRateProcess + kRateNoise));
-  const AxisEstimates own = filter_axes({.variance = MeasurementVariance::measured}, state,
-                                        measured, Vector6d::Zero(), 0.04);
-  EXPECT_DOUBLE_EQ(own[1].value, (1 + kVelocityProcess) / (1 + kVelocityProcess + 4));
-  EXPECT_DOUBLE_EQ(own[5].value, (1 + kRateProcess) / (1 + kRateProcess + 4));
+  const AxisEstimates measured_variance = filter_axes({.variance = MeasurementVariance::measured},
+                                                      state, measured, Vector6d::Zero(), 0.04);
+  EXPECT_DOUBLE_EQ(measured_variance[1].value, (1 + kVelocityProcess) / (1 + kVelocityProcess + 4));
+  EXPECT_DOUBLE_EQ(measured_variance[5].value, (1 + kRateProcess) / (1 + kRateProcess + 4));
 }
 
-TEST(KalmanFilter, WithoutAMeasurementItPredictsAndDoubtsMore) {
+TEST(KalmanFilter, WithoutMeasurementVarianceGrows) {
   AxisEstimates state;
   state.fill({3, 0.5});
   Vector6d acceleration = Vector6d::Zero();
@@ -119,12 +119,12 @@ TEST(KalmanFilter, WithoutAMeasurementItPredictsAndDoubtsMore) {
   EXPECT_NEAR(state[3].variance, 0.5 + 5 * kRateProcess, 1e-12);
 }
 
-TEST(KalmanFilter, MeasuresVelocityInTheWorldsAxes) {
-  const Eigen::Quaterniond quarter_turn = so3_exp({0, 0, std::acos(0.0)});
+TEST(KalmanFilter, TransformsVelocityToWorldAxes) {
+  const Eigen::Quaterniond yaw_90_deg = so3_exp({0, 0, std::acos(0.0)});
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal() << 1, 4, 9, 16, 25, 36;
-  const AxisMeasurement m = in_filter_axes({Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)},
-                                           covariance, quarter_turn);
+  const AxisMeasurement m =
+      in_filter_axes({Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)}, covariance, yaw_90_deg);
   EXPECT_LT((m.value - Vector6d{-2, 1, 3, 4, 5, 6}).norm(), 1e-12);
   EXPECT_LT((m.variance - Vector6d{4, 1, 9, 16, 25, 36}).norm(), 1e-12);
 }

@@ -9,10 +9,11 @@
 namespace stillkite {
 namespace {
 
-constexpr double kTiny_s = 1e-5;
+constexpr double kStep_s = 1e-5;
 
-// Where a point fixed to the ground (or to the sky) is seen after the camera moved with the twist.
-Eigen::Vector2d seen_after(const Twist& twist, const Eigen::Vector3d& point_in_camera, double t_s) {
+// Image of a static point after the camera has moved with the twist for t_s.
+Eigen::Vector2d projection_after(const Twist& twist, const Eigen::Vector3d& point_in_camera,
+                                 double t_s) {
   const RigidTransform before_from_after{
       so3_exp(twist.angular_rate_rad_s * t_s),
       so3_left_jacobian(twist.angular_rate_rad_s * t_s) * twist.velocity_m_s * t_s};
@@ -24,20 +25,21 @@ Eigen::Quaterniond random_attitude(std::mt19937& random) {
   return so3_exp(test::random_vector(random, 3.0));
 }
 
-TEST(MotionField, EqualsTheDerivativeOfProjectionAtRandomAttitudes) {
+TEST(MotionField, IsDerivativeOfProjectionAtAnyAttitude) {
   std::mt19937 random(1);
   int below_horizon = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const RigidTransform world_from_camera{random_attitude(random), {5, 7, 0.5 + trial}};
     const Twist twist{test::random_vector(random, 20), test::random_vector(random, 1)};
     const Eigen::Vector2d bearing = test::random_vector(random, 0.8).head<2>();
-    const GroundPlane ground = ground_seen_from(world_from_camera);
+    const GroundPlane ground = ground_plane_in_camera(world_from_camera);
     const double rho = inverse_depth(ground, bearing);
     if (rho > 0) ++below_horizon;
-    // above the horizon a point without end stands for the sky
+    // above the horizon: point at infinity
     const Eigen::Vector3d point = bearing.homogeneous() / (rho > 0 ? rho : 1e-12);
     const Eigen::Vector2d derivative =
-        (seen_after(twist, point, kTiny_s) - seen_after(twist, point, -kTiny_s)) / (2 * kTiny_s);
+        (projection_after(twist, point, kStep_s) - projection_after(twist, point, -kStep_s)) /
+        (2 * kStep_s);
     const Eigen::Vector2d linear = motion_field(ground, bearing) * twist.vector();
     EXPECT_LT((linear - derivative).norm(), 1e-6 * (1 + linear.norm())) << "trial " << trial;
   }
@@ -45,7 +47,7 @@ TEST(MotionField, EqualsTheDerivativeOfProjectionAtRandomAttitudes) {
   EXPECT_LT(below_horizon, 200);
 }
 
-TEST(MotionField, InPixelsEqualsTheDerivativeThroughTheLens) {
+TEST(MotionField, InPixelsIsDerivativeOfDistortedProjection) {
   std::mt19937 random(2);
   test::FlowScene scene;
   for (const DistortionModel model :
@@ -57,9 +59,9 @@ TEST(MotionField, InPixelsEqualsTheDerivativeThroughTheLens) {
       const double rho = inverse_depth(scene.ground(), bearing);
       const Eigen::Vector3d point = bearing.homogeneous() / rho;
       const Eigen::Vector2d derivative =
-          (distort(scene.camera, seen_after(twist, point, kTiny_s)).pixel -
-           distort(scene.camera, seen_after(twist, point, -kTiny_s)).pixel) /
-          (2 * kTiny_s);
+          (distort(scene.camera, projection_after(twist, point, kStep_s)).pixel -
+           distort(scene.camera, projection_after(twist, point, -kStep_s)).pixel) /
+          (2 * kStep_s);
       const Eigen::Vector2d linear =
           motion_field_px(scene.camera, scene.ground(), bearing) * twist.vector();
       EXPECT_LT((linear - derivative).norm(), 1e-5 * (1 + linear.norm()));
@@ -67,7 +69,7 @@ TEST(MotionField, InPixelsEqualsTheDerivativeThroughTheLens) {
   }
 }
 
-TEST(MotionField, PaperFormIsTheSameFieldInWorldAxes) {
+TEST(MotionField, PaperFormMatchesFieldInWorldAxes) {
   std::mt19937 random(3);
   for (int trial = 0; trial < 100; ++trial) {
     const RigidTransform world_from_camera{random_attitude(random), {0, 0, 40}};
@@ -77,29 +79,29 @@ TEST(MotionField, PaperFormIsTheSameFieldInWorldAxes) {
     const PaperMotionField field = paper_motion_field(world_from_camera, bearing);
     const Twist twist{world_from_camera.rotation.conjugate() * V, w};
     const Eigen::Vector2d expected =
-        motion_field(ground_seen_from(world_from_camera), bearing) * twist.vector();
+        motion_field(ground_plane_in_camera(world_from_camera), bearing) * twist.vector();
     EXPECT_LT((field.D1 * V.head<2>() + field.D2 * w + field.D3 * V.z() - expected).norm(), 1e-12);
   }
 }
 
-TEST(MotionField, AtNadirIsTheTextbookFormula) {
-  // camera x along the world's x, y against its y, z down: xi' = -V_x / h, eta' = V_y / h at the
-  // centre, and descent spreads the field from there
+TEST(MotionField, MatchesTextbookFormulaAtNadir) {
+  // camera x along world x, y along world -y, z down: xi' = -V_x / h, eta' = V_y / h at the centre;
+  // descent expands the field from there
   const RigidTransform nadir{Eigen::Quaterniond(0, 1, 0, 0), {0, 0, 50}};
   const PaperMotionField centre = paper_motion_field(nadir, {0, 0});
   EXPECT_NEAR(centre.D1(0, 0), -1.0 / 50, 1e-15);
   EXPECT_NEAR(centre.D1(1, 1), 1.0 / 50, 1e-15);
   EXPECT_NEAR(centre.D3.norm(), 0, 1e-15);
-  const PaperMotionField aside = paper_motion_field(nadir, {0.3, -0.2});
-  EXPECT_NEAR(-aside.D3.x(), 0.3 / 50, 1e-15);
-  EXPECT_NEAR(-aside.D3.y(), -0.2 / 50, 1e-15);
+  const PaperMotionField off_centre = paper_motion_field(nadir, {0.3, -0.2});
+  EXPECT_NEAR(-off_centre.D3.x(), 0.3 / 50, 1e-15);
+  EXPECT_NEAR(-off_centre.D3.y(), -0.2 / 50, 1e-15);
 }
 
-TEST(MotionField, SeesOnlyRotationAboveTheHorizon) {
-  // a level camera that looks along the world's x: the sky is at negative y
+TEST(MotionField, IsRotationOnlyAboveHorizon) {
+  // level camera, optical axis along world x: sky at negative y
   Eigen::Matrix3d R;
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  const GroundPlane ground = ground_seen_from({Eigen::Quaterniond(R), {0, 0, 2}});
+  const GroundPlane ground = ground_plane_in_camera({Eigen::Quaterniond(R), {0, 0, 2}});
   for (const double y : {-0.5, -1e-9, 0.0}) {
     EXPECT_EQ(motion_field(ground, {0.1, y}).leftCols<3>().norm(), 0) << y;
   }

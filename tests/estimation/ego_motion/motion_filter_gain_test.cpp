@@ -5,21 +5,20 @@
 
 #include "estimation/ego_motion/motion_filter.hpp"
 
-// The steady state of a constant-velocity filter fed with positions of variance R every T seconds
-// and driven by white acceleration of density q has a closed form in the tracking index
-// lambda^2 = q T^3 / R. With s^2 = 1 - alpha and beta = lambda s the Riccati equation is the
-// palindrome
+// Steady state of a constant-velocity filter: positions of variance R every T seconds, white
+// acceleration of density q, tracking index lambda^2 = q T^3 / R. With s^2 = 1 - alpha and
+// beta = lambda s the Riccati equation is the palindromic polynomial
 //
 //     s^4 - lambda s^3 + (lambda^2 / 6 - 2) s^2 - lambda s + 1 = 0,
 //
-// a quadratic in s + 1/s (Kalata's alpha-beta filter, for white acceleration in continuous time).
+// quadratic in s + 1/s (Kalata's alpha-beta filter with continuous-time white acceleration).
 
 namespace stillkite {
 namespace {
 
 struct Gains {
-  double alpha;  // of the position
-  double beta;   // of the velocity: K = beta / T
+  double alpha;  // position gain
+  double beta;   // velocity gain: K = beta / T
 };
 
 Gains closed_form(double lambda) {
@@ -32,11 +31,11 @@ constexpr double kStep_s = 0.04;
 constexpr MotionFilterConfig kConfig{.acceleration_density = 0.5,
                                      .angular_acceleration_density = 0.2};
 
-// The filter after many exact measurements of a camera at rest, with errors as they are claimed.
-MotionFilter settled(double position_sigma_m, double angle_sigma_rad) {
+// Filter in steady state: static camera, exact measurements with the given sigmas.
+MotionFilter steady_state_filter(double position_sigma_m, double angle_sigma_rad) {
   MotionFilter filter(kConfig);
   const RigidTransform pose{so3_exp({0.4, -1.0, 0.3}), {1, 2, 3}};
-  filter.start(pose, 5, 1);
+  filter.initialize(pose, 5, 1);
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal().head<3>().setConstant(position_sigma_m * position_sigma_m);
   covariance.diagonal().tail<3>().setConstant(angle_sigma_rad * angle_sigma_rad);
@@ -58,9 +57,9 @@ void expect_closed_form(double position_variance, double velocity_variance, doub
   EXPECT_NEAR(velocity_variance / expected, 1, 1e-9);
 }
 
-TEST(MotionFilterGain, SettlesAtTheClosedFormOfEveryTrackingIndex) {
+TEST(MotionFilterGain, ConvergesToClosedFormForAnyTrackingIndex) {
   for (const double sigma : {1e-4, 1e-3, 1e-2, 0.1}) {
-    const MotionFilter filter = settled(sigma, sigma);
+    const MotionFilter filter = steady_state_filter(sigma, sigma);
     for (int axis = 0; axis < 3; ++axis) {
       expect_closed_form(filter.pose_covariance()(axis, axis),
                          filter.twist_covariance()(axis, axis), sigma,
@@ -72,7 +71,7 @@ TEST(MotionFilterGain, SettlesAtTheClosedFormOfEveryTrackingIndex) {
   }
 }
 
-TEST(MotionFilterGain, ClosedFormIsTheDoubleIntegratorsInContinuousTime) {
+TEST(MotionFilterGain, ClosedFormMatchesContinuousDoubleIntegrator) {
   // Kalman-Bucy, measurement noise of density r = R T: gains sqrt(2) w and w^2, w^4 = q / r
   constexpr double kShortStep_s = 1e-5;
   constexpr double kNoiseDensity = 0.04;
@@ -84,10 +83,9 @@ TEST(MotionFilterGain, ClosedFormIsTheDoubleIntegratorsInContinuousTime) {
   EXPECT_NEAR(gains.beta / (kShortStep_s * kShortStep_s), w * w, 1e-4);
 }
 
-// Of the mean twist that is reported of a camera driven as the filter believes. Each axis of the
-// truth is integrated exactly over a step. Poses are measured for the filter's own twist, and would
-// be others for another one, which the filter is told or not.
-double mean_twist_nees(const Matrix6d& pose_by_twist, bool is_told) {
+// NEES of the mean twist of a camera driven by the filter's process model, integrated exactly per
+// axis. The measured poses depend on the assumed twist; the filter models that if `modelled`.
+double mean_twist_nees(const Matrix6d& pose_by_twist, bool modelled) {
   constexpr double kSigma_m = 2e-3;
   constexpr double kSigma_rad = 1e-3;
   Matrix6d covariance = Matrix6d::Zero();
@@ -104,35 +102,36 @@ double mean_twist_nees(const Matrix6d& pose_by_twist, bool is_told) {
   RigidTransform truth;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();
-  filter.start(truth, 1e-3, 1e-3);
+  filter.initialize(truth, 1e-3, 1e-3);
   for (int k = 0; k < 3000; ++k) {
-    // velocity and way gained by white acceleration have correlation sqrt(3) / 2
-    const auto gain = [&](double density) {
-      const Eigen::Vector3d speed = noise(density * std::sqrt(kStep_s));
-      const Eigen::Vector3d rest = noise(density * std::sqrt(kStep_s / 12));
-      return std::pair{speed, Eigen::Vector3d(kStep_s * (0.5 * speed + rest))};
+    // velocity and position noise of white acceleration have correlation sqrt(3) / 2
+    const auto process_noise = [&](double density) {
+      const Eigen::Vector3d velocity_part = noise(density * std::sqrt(kStep_s));
+      const Eigen::Vector3d position_part = noise(density * std::sqrt(kStep_s / 12));
+      return std::pair{velocity_part,
+                       Eigen::Vector3d(kStep_s * (0.5 * velocity_part + position_part))};
     };
-    const auto [more_velocity, more_way] = gain(kConfig.acceleration_density);
-    const auto [more_rate, more_turn] = gain(kConfig.angular_acceleration_density);
-    const Eigen::Vector3d way = velocity * kStep_s + more_way;
-    const Eigen::Vector3d turn = rate * kStep_s + more_turn;
-    const Eigen::Quaterniond half_way = truth.rotation * so3_exp(0.5 * turn);
-    truth = {truth.rotation * so3_exp(turn), truth.translation + way};
-    velocity += more_velocity;
-    rate += more_rate;
+    const auto [velocity_noise, displacement_noise] = process_noise(kConfig.acceleration_density);
+    const auto [rate_noise, rotation_noise] = process_noise(kConfig.angular_acceleration_density);
+    const Eigen::Vector3d displacement = velocity * kStep_s + displacement_noise;
+    const Eigen::Vector3d rotation_vector = rate * kStep_s + rotation_noise;
+    const Eigen::Quaterniond world_from_middle = truth.rotation * so3_exp(0.5 * rotation_vector);
+    truth = {truth.rotation * so3_exp(rotation_vector), truth.translation + displacement};
+    velocity += velocity_noise;
+    rate += rate_noise;
 
     filter.predict(kStep_s);
     const Twist assumed = filter.twist_in_camera();
-    const Vector6d false_by =
+    const Vector6d pose_error =
         pose_by_twist *
         (assumed.vector() - Twist{truth.rotation.conjugate() * velocity, rate}.vector());
-    const Eigen::Vector3d turned_by = noise(kSigma_rad) + false_by.tail<3>();
-    filter.update({so3_exp(turned_by) * truth.rotation,
-                   truth.translation + noise(kSigma_m) + false_by.head<3>()},
-                  covariance, assumed, is_told ? pose_by_twist : Matrix6d::Zero());
+    const Eigen::Vector3d rotation_error = noise(kSigma_rad) + pose_error.tail<3>();
+    filter.update({so3_exp(rotation_error) * truth.rotation,
+                   truth.translation + noise(kSigma_m) + pose_error.head<3>()},
+                  covariance, assumed, modelled ? pose_by_twist : Matrix6d::Zero());
     Vector6d error = filter.mean_twist_in_camera().vector();
-    error.head<3>() -= half_way.conjugate() * way / kStep_s;
-    error.tail<3>() -= turn / kStep_s;
+    error.head<3>() -= world_from_middle.conjugate() * displacement / kStep_s;
+    error.tail<3>() -= rotation_vector / kStep_s;
     if (k < 50) continue;
     nees += error.dot(filter.mean_twist_covariance().ldlt().solve(error));
     ++count;
@@ -140,34 +139,34 @@ double mean_twist_nees(const Matrix6d& pose_by_twist, bool is_told) {
   return nees / count;
 }
 
-TEST(MotionFilterMeanTwist, ErrsAsItsCovarianceSays) {
+TEST(MotionFilterMeanTwist, CovarianceIsConsistent) {
   EXPECT_NEAR(mean_twist_nees(Matrix6d::Zero(), true), 6, 0.5);
 }
 
-// Of a rolling shutter, where speed and angular rate are confused.
-TEST(MotionFilterMeanTwist, FeedsNothingBackThroughAPoseThatDependsOnIt) {
+// Rolling shutter: velocity and angular rate are correlated.
+TEST(MotionFilterMeanTwist, CovarianceIsConsistentForTwistDependentPose) {
   Matrix6d pose_by_twist = 0.3 * kStep_s * Matrix6d::Identity();
   pose_by_twist(0, 4) = pose_by_twist(4, 0) = -kStep_s;
   EXPECT_NEAR(mean_twist_nees(pose_by_twist, true), 6, 0.5);
   EXPECT_GT(mean_twist_nees(pose_by_twist, false), 30);
 }
 
-TEST(MotionFilterMeanTwist, CovarianceOutlivesANewOriginAndTurnsWithTheWorld) {
+TEST(MotionFilterMeanTwist, CovarianceIsInvariantToOriginAndWorldRotation) {
   MotionFilter filter(kConfig);
-  filter.start({so3_exp({0.4, -1.0, 0.3}), {1, 2, 3}}, 5, 1);
+  filter.initialize({so3_exp({0.4, -1.0, 0.3}), {1, 2, 3}}, 5, 1);
   filter.predict(kStep_s);
   filter.update(filter.pose(), 1e-4 * Matrix6d::Identity());
   filter.predict(kStep_s);
   const Matrix6d before = filter.mean_twist_covariance();
-  filter.take_as_origin();
+  filter.set_pose_as_origin();
   filter.transform_world({so3_exp({1, 2, -0.5}), {4, 5, 6}});
   EXPECT_LT((filter.mean_twist_covariance() - before).norm(), 1e-9 * before.norm());
   EXPECT_EQ(filter.pose_covariance().norm(), 0);
 }
 
-TEST(MotionFilterMeanTwist, NoIntervalIsTheInstant) {
+TEST(MotionFilterMeanTwist, WithoutIntervalIsCurrentTwist) {
   MotionFilter filter(kConfig);
-  filter.start({so3_exp({0.4, -1.0, 0.3}), {100, 2, 3}}, 5, 1);
+  filter.initialize({so3_exp({0.4, -1.0, 0.3}), {100, 2, 3}}, 5, 1);
   for (const double dt_s : {0.0, 7e-18}) {
     if (dt_s > 0) filter.predict(dt_s);
     EXPECT_EQ(filter.mean_twist_in_camera().vector(), filter.twist_in_camera().vector());

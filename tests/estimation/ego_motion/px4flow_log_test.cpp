@@ -13,13 +13,11 @@
 
 #include "estimation/ego_motion/kalman_filter.hpp"
 
-// A real flow sensor of 849 s of flight, through the filters with the paper's parameters. No
-// tuning: no latency, no weights, no scale.
+// PX4Flow log of an 849 s flight through the Kalman filters with the paper's parameters, without
+// tuning of latency, weights or scale.
 //
-// The sensor reports the angle its image moved by and, beside it, its gyro's; the sum is what
-// translation alone moved (rotation moves the image against the gyro). Along the optical axis
-// the range is the depth, so flow x range is the velocity across the axis at any attitude, by the
-// motion field at x = y = 0.
+// The sensor measures angular image flow and gyro rotation; their sum is the translational flow.
+// Motion field at x = y = 0: velocity across the optical axis = flow x range, at any attitude.
 
 namespace stillkite {
 namespace {
@@ -45,7 +43,7 @@ struct Sample {
   double speed_m_s;
 };
 
-// Speed over the ground after every row of the flow sensor.
+// Filtered ground speed after every row of the flow sensor.
 std::vector<Sample> filtered_speeds(const std::vector<std::vector<double>>& flow_rows) {
   std::vector<Sample> samples;
   AxisEstimates state;
@@ -69,7 +67,7 @@ std::vector<Sample> filtered_speeds(const std::vector<std::vector<double>>& flow
 struct Agreement {
   int samples = 0;
   double correlation = 0;
-  double slope = 0;  ///< least squares line of GPS speed over flow speed
+  double slope = 0;  ///< least-squares line of GPS speed over flow speed
   double slope_through_zero = 0;
 };
 
@@ -98,7 +96,7 @@ Agreement compare(const std::vector<Sample>& flow, const std::vector<std::vector
   return out;
 }
 
-TEST(Px4flowLog, FilteredFlowTimesRangeIsTheSpeedOfGps) {
+TEST(Px4flowLog, FilteredFlowTimesRangeMatchesGpsSpeed) {
   const char* data = std::getenv("STILLKITE_DATA");
   if (data == nullptr || *data == '\0') GTEST_SKIP() << "STILLKITE_DATA is not set";
   const std::filesystem::path folder = std::filesystem::path(data) / "px4flow_log";

@@ -24,7 +24,7 @@ TEST(FusionFilter, TheGroundTellsTheWayInHeights) {
     ASSERT_TRUE(filter.update_keyframe_view(
         view_of({.rotation = camera_from_keyframe.rotation,
                  .translation = camera_from_keyframe.translation / keyframe.translation.z(),
-                 .normal = ground_seen_from(keyframe).normal_in_camera},
+                 .normal = ground_plane_in_camera(keyframe).normal_in_camera},
                 1e-4),
         1));
     const RigidTransform found = filter.world_from_camera_m();
@@ -66,10 +66,10 @@ struct Aside {
 TEST(FusionFilter, AViewByAWrongNormalTellsTheSameMotion) {
   Aside aside;
   KeyframeView view = aside.view();
-  view.windows.motion_by_tilt << 0.3, -0.2, 0.1, 0.4, -0.1, 0.2, -0.6, 0.1, 0.2, 0.5, -0.3, 0.1;
+  view.likelihood.motion_by_tilt << 0.3, -0.2, 0.1, 0.4, -0.1, 0.2, -0.6, 0.1, 0.2, 0.5, -0.3, 0.1;
   const Eigen::Vector2d askew(0.02, -0.03);
   PlaneMotionStep step;
-  step << view.windows.motion_by_tilt * askew, askew;
+  step << view.likelihood.motion_by_tilt * askew, askew;
   view.motion = apply(view.motion, step, view.tilt_axes);
   const RigidTransform found = aside.seen(view).world_from_camera_m();
   EXPECT_LT((found.translation - aside.camera.translation).norm(), 0.005);
@@ -83,8 +83,8 @@ TEST(FusionFilter, TheNormalThatSuitsTheWindowsTellsTheVertical) {
   const Eigen::Vector2d tilt(0.02, -0.03);  // of the vertical about the world's x and y
   KeyframeView view = aside.view();
   const double sigma = 1e-4;
-  view.windows.tilt_information(0, 0) = 1 / square(sigma);
-  view.windows.tilt_information_rad = view.windows.tilt_information * tilt;
+  view.likelihood.tilt_information(0, 0) = 1 / square(sigma);
+  view.likelihood.tilt_information_rad = view.likelihood.tilt_information * tilt;
   const FusionFilter filter = aside.seen(view);
   EXPECT_NEAR(filter.state().gravity_tilt_rad.x(), tilt.x(), 1e-3);
   EXPECT_NEAR(filter.state().gravity_tilt_rad.y(), 0, 1e-3);

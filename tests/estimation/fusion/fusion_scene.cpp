@@ -205,7 +205,7 @@ void FusionSimulation::update_from_plane() {
   const PlaneMotion seen{
       .rotation = so3_exp(sigma * normal3()) * camera_from_keyframe.rotation,
       .translation = camera_from_keyframe.translation / true_height_m + sigma * normal3(),
-      .normal = ground_seen_from(truth_at(keyframe_s_).world_from_camera).normal_in_camera};
+      .normal = ground_plane_in_camera(truth_at(keyframe_s_).world_from_camera).normal_in_camera};
   filter_.update_keyframe_view(view_of(seen, sigma), 1);
   constexpr double kPeriod_s = 0.7;
   if (time_s_ - keyframe_s_ < kPeriod_s) return;

@@ -64,8 +64,8 @@ struct FusionScene {
 
 /// As of windows that know the motion for that normal to sigma, and nothing of another normal.
 [[nodiscard]] inline KeyframeView view_of(const PlaneMotion& motion, double sigma) {
-  KeyframeView view{.motion = motion, .tilt_axes = TiltAxes::Identity(), .windows = {}};
-  view.windows.covariance = sigma * sigma * Matrix6d::Identity();
+  KeyframeView view{.motion = motion, .tilt_axes = TiltAxes::Identity(), .likelihood = {}};
+  view.likelihood.covariance = sigma * sigma * Matrix6d::Identity();
   return view;
 }
 

@@ -10,7 +10,7 @@
 namespace stillkite {
 
 /// A patrol at the level of measurements: round and round over landmarks of a map, with a flow that
-/// is off as the last-frame flow of docs/reports/2026-11-21-flow-navigator.md is.
+/// is off as the last-frame flow of docs/benchmarks.md is.
 struct PatrolScene {
   double seconds = 3600;
   double height_m = 400;

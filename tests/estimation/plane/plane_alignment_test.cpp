@@ -30,19 +30,19 @@ Camera lens(DistortionModel model) {
 }
 
 RigidTransform pose(double x, double y, double z, double roll, double pitch, double yaw) {
-  const Eigen::Quaterniond down(0, 1, 0, 0);  // x of the camera is x of the body, z looks down
+  const Eigen::Quaterniond down(0, 1, 0, 0);  // camera x along body x, z down
   return {to_quaternion({.yaw_rad = yaw, .pitch_rad = pitch, .roll_rad = roll}) * down, {x, y, z}};
 }
 
-// Grey of the ground, smooth and known everywhere.
+// Analytic grey value of the ground.
 double ground(double x, double y) {
   return 128 + 30 * std::sin(23 * x + 5 * y) + 25 * std::sin(31 * y - 11 * x) +
          20 * std::sin(44 * x + 37 * y) + 15 * std::sin(61 * x - 47 * y);
 }
 
-// The image of the ground, each row from a pose of its own.
-cv::Mat image(const Camera& camera, const std::function<RigidTransform(int)>& pose_of_row,
-              double gain = 1, double offset = 0) {
+// Rendered ground with one camera pose per row (rolling shutter).
+cv::Mat render(const Camera& camera, const std::function<RigidTransform(int)>& pose_of_row,
+               double gain = 1, double offset = 0) {
   cv::Mat image(camera.height_px, camera.width_px, CV_8U);
   for (int row = 0; row < image.rows; ++row) {
     const RigidTransform world_from_camera = pose_of_row(row);
@@ -57,138 +57,137 @@ cv::Mat image(const Camera& camera, const std::function<RigidTransform(int)>& po
   }
   return image;
 }
-cv::Mat image(const Camera& camera, const RigidTransform& at, double gain = 1, double offset = 0) {
-  return image(
+cv::Mat render(const Camera& camera, const RigidTransform& at, double gain = 1, double offset = 0) {
+  return render(
       camera, [&](int) { return at; }, gain, offset);
 }
 
 PlaneAlignment align(const Camera& camera, const cv::Mat& reference, const cv::Mat& current,
-                     const PlaneMotion& guess, const TiltPrior& tilt = {},
+                     const PlaneMotion& initial, const TiltPrior& tilt = {},
                      const RollingShutter& shutter = {}) {
   Pyramid a, b;
   a.build(reference, kLevels);
   b.build(current, kLevels);
   PlaneAligner aligner(camera, {.levels = kLevels});
   aligner.set_reference(a);
-  return aligner.align(b, guess, tilt, shutter);
+  return aligner.align(b, initial, tilt, shutter);
 }
 
-double turn_error_rad(const PlaneMotion& a, const PlaneMotion& b) {
+double rotation_error_rad(const PlaneMotion& a, const PlaneMotion& b) {
   return angle_between_rad(a.rotation, b.rotation);
 }
-double shift_error(const PlaneMotion& a, const PlaneMotion& b) {
+double translation_error(const PlaneMotion& a, const PlaneMotion& b) {
   return (a.translation - b.translation).norm();
 }
 
 const RigidTransform kFirst = pose(0, 0, 1.0, 0.1, -0.15, 0.2);
 const RigidTransform kSecond = pose(0.03, -0.02, 1.02, 0.11, -0.14, 0.22);
 
-// A tenth of a pixel is 3e-4 rad here, or as many heights.
-class ThroughLens : public testing::TestWithParam<DistortionModel> {};
+// 0.1 px corresponds to 3e-4 rad or 3e-4 heights.
+class PlaneAlignmentLens : public testing::TestWithParam<DistortionModel> {};
 
-TEST_P(ThroughLens, recovers_the_exact_motion_from_a_guess_of_rest) {
+TEST_P(PlaneAlignmentLens, RecoversMotionFromZeroInitialMotion) {
   const Camera camera = lens(GetParam());
   const PlaneMotion truth = motion_between(kFirst, kSecond);
-  const PlaneAlignment found =
-      align(camera, image(camera, kFirst), image(camera, kSecond), motion_between(kFirst, kFirst));
-  ASSERT_TRUE(found.solvable);
-  EXPECT_LT(turn_error_rad(found.motion, truth), 3e-4);
-  EXPECT_LT(shift_error(found.motion, truth), 3e-4);
-  EXPECT_GT(found.correlation, 0.98);
+  const PlaneAlignment alignment = align(camera, render(camera, kFirst), render(camera, kSecond),
+                                         motion_between(kFirst, kFirst));
+  ASSERT_TRUE(alignment.solvable);
+  EXPECT_LT(rotation_error_rad(alignment.motion, truth), 3e-4);
+  EXPECT_LT(translation_error(alignment.motion, truth), 3e-4);
+  EXPECT_GT(alignment.correlation, 0.98);
 }
 
-INSTANTIATE_TEST_SUITE_P(Lenses, ThroughLens,
+INSTANTIATE_TEST_SUITE_P(Distortions, PlaneAlignmentLens,
                          testing::Values(DistortionModel::none, DistortionModel::radial_tangential,
                                          DistortionModel::equidistant));
 
-TEST(PlaneAlignment, swapped_images_give_the_inverse_motion) {
+TEST(PlaneAlignment, SwappedImagesGiveInverseMotion) {
   const Camera camera = lens(DistortionModel::none);
-  const cv::Mat first = image(camera, kFirst);
-  const cv::Mat second = image(camera, kSecond);
-  const PlaneAlignment there = align(camera, first, second, motion_between(kFirst, kFirst));
-  const PlaneAlignment back = align(camera, second, first, motion_between(kSecond, kSecond));
-  // lengths are in heights of each one's own reference camera
-  const RigidTransform a{there.motion.rotation, 1.0 * there.motion.translation};
-  const RigidTransform b{back.motion.rotation, 1.02 * back.motion.translation};
-  const RigidTransform both = a * b;
-  EXPECT_LT(both.translation.norm(), 5e-4);
-  EXPECT_LT(so3_log(both.rotation).norm(), 5e-4);
+  const cv::Mat first = render(camera, kFirst);
+  const cv::Mat second = render(camera, kSecond);
+  const PlaneAlignment forward = align(camera, first, second, motion_between(kFirst, kFirst));
+  const PlaneAlignment backward = align(camera, second, first, motion_between(kSecond, kSecond));
+  // unit of length: height of the respective reference camera
+  const RigidTransform a{forward.motion.rotation, 1.0 * forward.motion.translation};
+  const RigidTransform b{backward.motion.rotation, 1.02 * backward.motion.translation};
+  const RigidTransform round_trip = a * b;
+  EXPECT_LT(round_trip.translation.norm(), 5e-4);
+  EXPECT_LT(so3_log(round_trip.rotation).norm(), 5e-4);
 }
 
-TEST(PlaneAlignment, a_change_of_exposure_costs_nothing) {
+TEST(PlaneAlignment, IsInvariantToExposureChange) {
   const Camera camera = lens(DistortionModel::none);
   const PlaneMotion truth = motion_between(kFirst, kSecond);
-  const PlaneAlignment found =
-      align(camera, image(camera, kFirst, 0.7), image(camera, kSecond, 0.9, 10),
+  const PlaneAlignment alignment =
+      align(camera, render(camera, kFirst, 0.7), render(camera, kSecond, 0.9, 10),
             motion_between(kFirst, kFirst));
-  ASSERT_TRUE(found.solvable);
-  EXPECT_LT(shift_error(found.motion, truth), 5e-4);
-  EXPECT_NEAR(found.gain, 0.9 / 0.7, 0.02);
+  ASSERT_TRUE(alignment.solvable);
+  EXPECT_LT(translation_error(alignment.motion, truth), 5e-4);
+  EXPECT_NEAR(alignment.gain, 0.9 / 0.7, 0.02);
 }
 
-TEST(PlaneAlignment, a_large_turn_is_warped_exactly) {
+TEST(PlaneAlignment, RecoversLargeRotationWithExactWarp) {
   const Camera camera = lens(DistortionModel::radial_tangential);
-  const RigidTransform turned = pose(0.1, 0.05, 1.1, 0.05, -0.1, 0.5);
-  const PlaneMotion truth = motion_between(kFirst, turned);
+  const RigidTransform rotated = pose(0.1, 0.05, 1.1, 0.05, -0.1, 0.5);
+  const PlaneMotion truth = motion_between(kFirst, rotated);
   const RigidTransform near = pose(0.11, 0.045, 1.09, 0.05, -0.1, 0.49);
-  const PlaneAlignment found =
-      align(camera, image(camera, kFirst), image(camera, turned), motion_between(kFirst, near));
-  ASSERT_TRUE(found.solvable);
-  EXPECT_LT(turn_error_rad(found.motion, truth), 5e-4);
-  EXPECT_LT(shift_error(found.motion, truth), 5e-4);
+  const PlaneAlignment alignment =
+      align(camera, render(camera, kFirst), render(camera, rotated), motion_between(kFirst, near));
+  ASSERT_TRUE(alignment.solvable);
+  EXPECT_LT(rotation_error_rad(alignment.motion, truth), 5e-4);
+  EXPECT_LT(translation_error(alignment.motion, truth), 5e-4);
 }
 
-TEST(PlaneAlignment, translation_shows_the_tilt_of_the_ground) {
+TEST(PlaneAlignment, TranslationMakesTiltObservable) {
   const Camera camera = lens(DistortionModel::none);
   const RigidTransform moved = pose(0.25, 0.1, 1.0, 0.1, -0.15, 0.2);
-  // the attitude of both is believed one degree off about the world's x
-  const double wrong = 0.0175;
-  const Eigen::Quaterniond off = so3_exp({wrong, 0, 0});
-  const PoseEstimate believed{{off * kFirst.rotation, kFirst.translation},
+  // attitude error of 1 deg about world x in both poses
+  const double tilt_error_rad = 0.0175;
+  const Eigen::Quaterniond tilt_error = so3_exp({tilt_error_rad, 0, 0});
+  const PoseEstimate keyframe{{tilt_error * kFirst.rotation, kFirst.translation},
                               1e-3 * Matrix6d::Identity()};
-  const RigidTransform guess{off * moved.rotation, moved.translation};
+  const RigidTransform initial{tilt_error * moved.rotation, moved.translation};
   const LevellingConfig levelling{.ground_slope_sigma_rad = 0, .flow_sigma_rad = 0};
-  const PlaneAlignment found =
-      align(camera, image(camera, kFirst), image(camera, moved),
-            motion_between(believed.world_from_camera, guess), tilt_prior(believed, levelling));
-  const ChainedPose chained = chain(believed, found, levelling);
+  const PlaneAlignment alignment =
+      align(camera, render(camera, kFirst), render(camera, moved),
+            motion_between(keyframe.world_from_camera, initial), tilt_prior(keyframe, levelling));
+  const ChainedPose chained = chain(keyframe, alignment, levelling);
   EXPECT_LT(angle_between_rad(chained.keyframe.world_from_camera.rotation, kFirst.rotation),
-            0.1 * wrong);
+            0.1 * tilt_error_rad);
   EXPECT_LT(angle_between_rad(chained.camera.world_from_camera.rotation, moved.rotation),
-            0.1 * wrong);
+            0.1 * tilt_error_rad);
 }
 
-// What the windows say by themselves of ground and motion does not hang on what was believed
-// before, nor on how firmly.
-TEST(PlaneAlignment, the_windows_alone_know_nothing_of_the_prior) {
+TEST(PlaneAlignment, LikelihoodIsIndependentOfTiltPrior) {
   const Camera camera = lens(DistortionModel::none);
   const RigidTransform moved = pose(0.25, 0.1, 1.0, 0.1, -0.15, 0.2);
   const PlaneMotion truth = motion_between(kFirst, moved);
-  const cv::Mat first = image(camera, kFirst), second = image(camera, moved);
+  const cv::Mat first = render(camera, kFirst), second = render(camera, moved);
   TiltPrior prior;
   prior.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>();
-  PlaneMotion believed = truth;
-  believed.normal = so3_exp(prior.axes * Eigen::Vector2d(0.006, -0.008)) * truth.normal;
-  const double wrong = (believed.normal - truth.normal).norm();
+  PlaneMotion initial = truth;
+  initial.normal = so3_exp(prior.axes * Eigen::Vector2d(0.006, -0.008)) * truth.normal;
+  const double initial_error = (initial.normal - truth.normal).norm();
   for (const double sigma_rad : {1e-4, 1e-3, 0.1}) {
     prior.covariance = sigma_rad * sigma_rad * Eigen::Matrix2d::Identity();
-    const PlaneAlignment found = align(camera, first, second, believed, prior);
-    ASSERT_TRUE(found.solvable);
-    const WindowsAlone& alone = found.windows_alone;
-    const Eigen::Vector2d tilt = alone.tilt_information.ldlt().solve(alone.tilt_information_rad);
+    const PlaneAlignment alignment = align(camera, first, second, initial, prior);
+    ASSERT_TRUE(alignment.solvable);
+    const PlaneLikelihood& likelihood = alignment.plane_likelihood;
+    const Eigen::Vector2d tilt =
+        likelihood.tilt_information.ldlt().solve(likelihood.tilt_information_rad);
     PlaneMotionStep step;
-    step << alone.motion_by_tilt * tilt, tilt;
-    const PlaneMotion by_windows = apply(found.motion, step, prior.axes);
-    // the last step's residue counts a prior's worth where the prior is as firm as that
-    EXPECT_LT((by_windows.normal - truth.normal).norm(), 0.4 * wrong) << sigma_rad;
-    EXPECT_LT(turn_error_rad(by_windows, truth), 0.1 * wrong) << sigma_rad;
-    EXPECT_LT(shift_error(by_windows, truth), 0.15 * wrong) << sigma_rad;
+    step << likelihood.motion_by_tilt * tilt, tilt;
+    const PlaneMotion most_likely = apply(alignment.motion, step, prior.axes);
+    // the residual of the last step matters for the smallest prior covariance
+    EXPECT_LT((most_likely.normal - truth.normal).norm(), 0.4 * initial_error) << sigma_rad;
+    EXPECT_LT(rotation_error_rad(most_likely, truth), 0.1 * initial_error) << sigma_rad;
+    EXPECT_LT(translation_error(most_likely, truth), 0.15 * initial_error) << sigma_rad;
   }
 }
 
-// A climb differs from a climb under another tilt in second order only: what an error of the lens
-// can feign as well must not count as knowledge. Translation along the ground still shows it.
-TEST(PlaneAlignment, a_climb_says_little_of_the_tilt_where_the_flow_may_err) {
+// In a climb, tilt changes the flow in second order only, as lens errors do: no tilt information.
+// Translation along the ground keeps the tilt observable.
+TEST(PlaneAlignment, SmoothFlowErrorRemovesTiltInformationInClimb) {
   const Camera camera = lens(DistortionModel::none);
   const double tilt_sigma = 0.02;
   const auto tilt_sigma_after = [&](const RigidTransform& moved, double flow_sigma_rad) {
@@ -196,21 +195,21 @@ TEST(PlaneAlignment, a_climb_says_little_of_the_tilt_where_the_flow_may_err) {
     prior.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>();
     prior.covariance = tilt_sigma * tilt_sigma * Eigen::Matrix2d::Identity();
     prior.flow_sigma_rad = flow_sigma_rad;
-    const PlaneAlignment found = align(camera, image(camera, kFirst), image(camera, moved),
-                                       motion_between(kFirst, moved), prior);
-    EXPECT_LT(shift_error(found.motion, motion_between(kFirst, moved)), 2e-3);
-    return std::sqrt(found.covariance.bottomRightCorner<2, 2>().diagonal().maxCoeff());
+    const PlaneAlignment alignment = align(camera, render(camera, kFirst), render(camera, moved),
+                                           motion_between(kFirst, moved), prior);
+    EXPECT_LT(translation_error(alignment.motion, motion_between(kFirst, moved)), 2e-3);
+    return std::sqrt(alignment.covariance.bottomRightCorner<2, 2>().diagonal().maxCoeff());
   };
-  RigidTransform higher = kFirst, aside = kFirst;
-  higher.translation.z() *= 1.15;
-  aside.translation.y() += 0.3 * kFirst.translation.z();
-  EXPECT_LT(tilt_sigma_after(higher, 0), 0.7 * tilt_sigma);
-  EXPECT_GT(tilt_sigma_after(higher, 1e-3), 0.98 * tilt_sigma);
-  EXPECT_LT(tilt_sigma_after(higher, 1e-3), 1.01 * tilt_sigma);
-  EXPECT_LT(tilt_sigma_after(aside, 1e-3), 0.9 * tilt_sigma);
+  RigidTransform climbed = kFirst, moved_sideways = kFirst;
+  climbed.translation.z() *= 1.15;
+  moved_sideways.translation.y() += 0.3 * kFirst.translation.z();
+  EXPECT_LT(tilt_sigma_after(climbed, 0), 0.7 * tilt_sigma);
+  EXPECT_GT(tilt_sigma_after(climbed, 1e-3), 0.98 * tilt_sigma);
+  EXPECT_LT(tilt_sigma_after(climbed, 1e-3), 1.01 * tilt_sigma);
+  EXPECT_LT(tilt_sigma_after(moved_sideways, 1e-3), 0.9 * tilt_sigma);
 }
 
-TEST(PlaneAlignment, a_rolling_shutter_is_undone_by_its_readout_time) {
+TEST(PlaneAlignment, CompensatesRollingShutter) {
   const Camera camera = lens(DistortionModel::none);
   const double readout_s = 0.03;
   const Eigen::Vector3d velocity(0.5, 0.2, 0.3);
@@ -218,105 +217,105 @@ TEST(PlaneAlignment, a_rolling_shutter_is_undone_by_its_readout_time) {
     return RigidTransform{kFirst.rotation, kFirst.translation + velocity * t_s};
   };
   const auto rolling = [&](double stamp_s) {
-    return image(camera,
-                 [&, stamp_s](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
+    return render(camera,
+                  [&, stamp_s](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
   };
-  // at rest, then moving: the second image alone is sheared
+  // rest, then motion: only the second image is sheared
   const PlaneMotion truth = motion_between(at(0), at(0.1));
   RollingShutter shutter{.readout_s = readout_s};
   shutter.current_twist.head<3>() = kFirst.rotation.conjugate() * velocity;
-  const cv::Mat first = image(camera, at(0));
+  const cv::Mat first = render(camera, at(0));
   const PlaneAlignment with = align(camera, first, rolling(0.1), truth, {}, shutter);
   const PlaneAlignment without = align(camera, first, rolling(0.1), truth);
-  EXPECT_LT(shift_error(with.motion, truth), 7e-4);
-  EXPECT_GT(shift_error(without.motion, truth), 3 * shift_error(with.motion, truth));
+  EXPECT_LT(translation_error(with.motion, truth), 7e-4);
+  EXPECT_GT(translation_error(without.motion, truth), 3 * translation_error(with.motion, truth));
 }
 
-// A climb of two heights a second, aside as well, by a camera that exposes row after row.
+// Climb at 2 heights/s with sideways motion, rolling shutter.
 struct RollingClimb {
   Camera camera = lens(DistortionModel::none);
   double readout_s = 0.016;
   Eigen::Vector3d velocity{0.8, -0.5, 2.0};
-  Eigen::Vector3d turn_rad_s{0.1, 0.2, -0.3};
+  Eigen::Vector3d rate_rad_s{0.1, 0.2, -0.3};
 
   [[nodiscard]] RigidTransform at(double t_s) const {
-    return {kFirst.rotation * so3_exp(turn_rad_s * t_s), kFirst.translation + velocity * t_s};
+    return {kFirst.rotation * so3_exp(rate_rad_s * t_s), kFirst.translation + velocity * t_s};
   }
   [[nodiscard]] Vector6d twist(double t_s) const {
     Vector6d twist;
-    twist << at(t_s).rotation.conjugate() * velocity, turn_rad_s;
+    twist << at(t_s).rotation.conjugate() * velocity, rate_rad_s;
     return twist;
   }
-  [[nodiscard]] cv::Mat seen(double stamp_s) const {
-    return image(camera, [&](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
+  [[nodiscard]] cv::Mat image_at(double stamp_s) const {
+    return render(camera, [&](int row) { return at(stamp_s + readout_s * (row - 119.5) / 240); });
   }
-  [[nodiscard]] static TiltPrior vague_tilt() {
+  [[nodiscard]] static TiltPrior wide_tilt_prior() {
     return {.axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>(),
             .covariance = Eigen::Matrix2d(Eigen::Matrix2d::Identity())};
   }
   [[nodiscard]] PlaneAlignment align_for(const RollingShutter& shutter) const {
-    return align(camera, seen(0), seen(kLater_s), motion_between(at(0), at(kLater_s)), vague_tilt(),
-                 shutter);
+    return align(camera, image_at(0), image_at(kInterval_s), motion_between(at(0), at(kInterval_s)),
+                 wide_tilt_prior(), shutter);
   }
-  static constexpr double kLater_s = 0.1;
+  static constexpr double kInterval_s = 0.1;
 };
 
-// Both images are stretched alike; what is left of it looks like a tilt of the plane.
-TEST(PlaneAlignment, a_rolling_shutter_feigns_no_tilt_in_a_climb) {
+// Both images are stretched equally; the second-order difference resembles a plane tilt.
+TEST(PlaneAlignment, CompensatedRollingShutterCausesNoTiltInClimb) {
   const RollingClimb climb;
-  const PlaneMotion truth = motion_between(climb.at(0), climb.at(RollingClimb::kLater_s));
+  const PlaneMotion truth = motion_between(climb.at(0), climb.at(RollingClimb::kInterval_s));
   const PlaneAlignment without = climb.align_for({});
   const PlaneAlignment with =
-      climb.align_for({climb.readout_s, climb.twist(0), climb.twist(RollingClimb::kLater_s)});
+      climb.align_for({climb.readout_s, climb.twist(0), climb.twist(RollingClimb::kInterval_s)});
   EXPECT_GT(without.tilt_rad.norm(), 0.03);
   EXPECT_LT(with.tilt_rad.norm(), 0.002);
-  EXPECT_LT(shift_error(with.motion, truth), 1e-3);
-  EXPECT_LT(turn_error_rad(with.motion, truth), 1e-3);
+  EXPECT_LT(translation_error(with.motion, truth), 1e-3);
+  EXPECT_LT(rotation_error_rad(with.motion, truth), 1e-3);
 }
 
-TEST(PlaneAlignment, what_a_rolling_shutter_makes_of_a_false_twist_is_foreseen) {
+TEST(PlaneAlignment, MotionByTwistPredictsEffectOfTwistError) {
   const RollingClimb climb;
-  const auto found_for = [&](const Vector6d& change) {
+  const auto aligned_with = [&](const Vector6d& change) {
     return climb.align_for(
-        {climb.readout_s, climb.twist(0), climb.twist(RollingClimb::kLater_s) + change});
+        {climb.readout_s, climb.twist(0), climb.twist(RollingClimb::kInterval_s) + change});
   };
-  const PlaneAlignment found = found_for(Vector6d::Zero());
+  const PlaneAlignment alignment = aligned_with(Vector6d::Zero());
   for (int k = 0; k < 6; ++k) {
     const Vector6d change = 0.1 * Vector6d::Unit(k);
-    const PlaneMotion slower = found_for(-change).motion, faster = found_for(change).motion;
-    const Eigen::Quaterniond turn = faster.rotation * slower.rotation.conjugate();
+    const PlaneMotion slower = aligned_with(-change).motion, faster = aligned_with(change).motion;
+    const Eigen::Quaterniond rotation = faster.rotation * slower.rotation.conjugate();
     Vector6d difference;
-    difference << faster.translation - turn * slower.translation, so3_log(turn);
-    const Vector6d foreseen = 2 * found.motion_by_twist * change;
-    EXPECT_LT((difference - foreseen).norm(), 0.15 * difference.norm()) << k;
+    difference << faster.translation - rotation * slower.translation, so3_log(rotation);
+    const Vector6d predicted = 2 * alignment.motion_by_twist * change;
+    EXPECT_LT((difference - predicted).norm(), 0.15 * difference.norm()) << k;
   }
 }
 
-TEST(PlaneAlignment, a_bare_image_is_not_solvable_and_keeps_the_guess) {
+TEST(PlaneAlignment, UniformImageIsNotSolvableAndKeepsInitialMotion) {
   const Camera camera = lens(DistortionModel::none);
-  const cv::Mat bare(camera.height_px, camera.width_px, CV_8U, cv::Scalar(90));
-  const PlaneMotion guess = motion_between(kFirst, kSecond);
-  const PlaneAlignment found = align(camera, bare, bare, guess);
-  EXPECT_FALSE(found.solvable);
-  EXPECT_EQ(found.motion.translation, guess.translation);
-  EXPECT_TRUE(found.covariance.allFinite());
+  const cv::Mat uniform(camera.height_px, camera.width_px, CV_8U, cv::Scalar(90));
+  const PlaneMotion initial = motion_between(kFirst, kSecond);
+  const PlaneAlignment alignment = align(camera, uniform, uniform, initial);
+  EXPECT_FALSE(alignment.solvable);
+  EXPECT_EQ(alignment.motion.translation, initial.translation);
+  EXPECT_TRUE(alignment.covariance.allFinite());
 }
 
-// What is left of sums as large as the keyframe's contrast is rounding, which may well be positive.
-TEST(PlaneAlignment, a_bare_image_correlates_with_nothing) {
+// The correlation is computed from a difference of large sums: rounding errors of either sign.
+TEST(PlaneAlignment, UniformImageHasLowCorrelation) {
   const Camera camera = lens(DistortionModel::none);
   cv::Mat keyframe(camera.height_px, camera.width_px, CV_8U);
   for (int seed = 0; seed < 40; ++seed) {
     cv::RNG(static_cast<std::uint64_t>(seed) + 1).fill(keyframe, cv::RNG::NORMAL, 110, 90);
     cv::GaussianBlur(keyframe, keyframe, {}, 1.5);
     for (const int grey : {0, 77, 255}) {
-      const cv::Mat bare(keyframe.size(), CV_8U, cv::Scalar(grey));
-      EXPECT_LT(align(camera, keyframe, bare, {}).correlation, 0.5) << seed << ' ' << grey;
+      const cv::Mat uniform(keyframe.size(), CV_8U, cv::Scalar(grey));
+      EXPECT_LT(align(camera, keyframe, uniform, {}).correlation, 0.5) << seed << ' ' << grey;
     }
   }
 }
 
-TEST(PlaneTiles, jacobian_is_the_derivative_of_the_placement) {
+TEST(PlaneTiles, JacobianIsDerivativeOfPlacement) {
   for (const auto model :
        {DistortionModel::none, DistortionModel::radial_tangential, DistortionModel::equidistant}) {
     const Camera camera = lens(model);
@@ -342,33 +341,34 @@ TEST(PlaneTiles, jacobian_is_the_derivative_of_the_placement) {
   }
 }
 
-// Where all tiles are seen late, by as much, the camera itself has gone on.
-TEST(PlaneTiles, late_tiles_are_where_the_camera_sees_them_by_then) {
+// A common row delay equals the camera motion over that delay.
+TEST(PlaneTiles, RowDelayMovesTilesWithCamera) {
   const Camera camera = lens(DistortionModel::radial_tangential);
   const TileGrid grid = make_tile_grid(camera.width_px, camera.height_px, 16, 8);
   const TileRays rays = make_tile_rays(camera, grid);
   const PlaneMotion motion = motion_between(kFirst, kSecond);
-  constexpr double kLate_s = 0.01;
-  TileTimes times{.later_s = std::vector<float>(rays.x.size(), static_cast<float>(kLate_s)),
+  constexpr double kDelay_s = 0.01;
+  TileTimes times{.row_delay_s = std::vector<float>(rays.x.size(), static_cast<float>(kDelay_s)),
                   .twist = {}};
-  times.twist << 1, -0.5, 2, 0.3, -0.2, 0.4;  // kFirst is a metre high
-  const RigidTransform by_then = kSecond * RigidTransform{so3_exp(kLate_s * times.twist.tail<3>()),
-                                                          kLate_s * times.twist.head<3>()};
+  times.twist << 1, -0.5, 2, 0.3, -0.2, 0.4;  // kFirst is at a height of 1 m
+  const RigidTransform delayed_pose =
+      kSecond *
+      RigidTransform{so3_exp(kDelay_s * times.twist.tail<3>()), kDelay_s * times.twist.head<3>()};
   const TiltAxes axes = kFirst.rotation.conjugate().toRotationMatrix().leftCols<2>();
-  TilePlacement late, expected;
+  TilePlacement delayed, expected;
   TileJacobian unused;
-  place_tiles(camera, rays, motion, axes, late, unused, &times);
-  place_tiles(camera, rays, motion_between(kFirst, by_then), axes, expected, unused);
+  place_tiles(camera, rays, motion, axes, delayed, unused, &times);
+  place_tiles(camera, rays, motion_between(kFirst, delayed_pose), axes, expected, unused);
   for (std::size_t i = 0; i < rays.x.size(); ++i) {
-    EXPECT_NEAR(late.x_px[i], expected.x_px[i], 0.01) << i;
-    EXPECT_NEAR(late.y_px[i], expected.y_px[i], 0.01) << i;
+    EXPECT_NEAR(delayed.x_px[i], expected.x_px[i], 0.01) << i;
+    EXPECT_NEAR(delayed.y_px[i], expected.y_px[i], 0.01) << i;
   }
 }
 
-TEST(PlaneAlignment, narrow_vectors_find_the_same_motion) {
+TEST(PlaneAlignment, MotionIsIndependentOfVectorWidth) {
   const Camera camera = lens(DistortionModel::radial_tangential);
-  const cv::Mat first = image(camera, kFirst);
-  const cv::Mat second = image(camera, kSecond);
+  const cv::Mat first = render(camera, kFirst);
+  const cv::Mat second = render(camera, kSecond);
   const PlaneMotion rest = motion_between(kFirst, kFirst);
   const PlaneAlignment wide = align(camera, first, second, rest);
   hwy::SetSupportedTargetsForTest(HWY_STATIC_TARGET);
@@ -376,9 +376,9 @@ TEST(PlaneAlignment, narrow_vectors_find_the_same_motion) {
   const PlaneAlignment narrow = align(camera, first, second, rest);
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  // sums in another order may end a level a step sooner, when it moves by less than 0.005 px
-  EXPECT_LT(shift_error(wide.motion, narrow.motion), 1e-4);
-  EXPECT_LT(turn_error_rad(wide.motion, narrow.motion), 1e-4);
+  // the summation order may change the number of steps of a level at the convergence threshold
+  EXPECT_LT(translation_error(wide.motion, narrow.motion), 1e-4);
+  EXPECT_LT(rotation_error_rad(wide.motion, narrow.motion), 1e-4);
 }
 
 }  // namespace

@@ -11,12 +11,12 @@
 namespace stillkite {
 namespace {
 
-// Up to sign.
+// Distance up to sign.
 double distance(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return std::min((a - b).norm(), (a + b).norm());
 }
 
-TEST(FivePoint, the_true_matrix_is_among_the_solutions) {
+TEST(FivePoint, SolutionsContainTheTrueMatrix) {
   for (std::uint32_t seed = 1; seed <= 300; ++seed) {
     const TwoViews views =
         make_two_views({.points = 5, .baseline = 0.5, .relief = 1, .noise_px = 0}, seed);
@@ -31,7 +31,7 @@ TEST(FivePoint, the_true_matrix_is_among_the_solutions) {
   }
 }
 
-TEST(FivePoint, every_solution_is_an_essential_matrix_of_the_pairs) {
+TEST(FivePoint, EverySolutionSatisfiesTheConstraints) {
   for (std::uint32_t seed = 1; seed <= 50; ++seed) {
     const TwoViews views =
         make_two_views({.points = 5, .baseline = 0.5, .relief = 1, .noise_px = 3}, seed);
@@ -49,7 +49,7 @@ TEST(FivePoint, every_solution_is_an_essential_matrix_of_the_pairs) {
   }
 }
 
-TEST(FivePoint, one_pair_five_times_gives_finite_matrices_or_none) {
+TEST(FivePoint, RepeatedPairGivesFiniteMatricesOrNone) {
   const std::array<BearingPair, 5> same{};
   const EssentialCandidates found = solve_five_point(same);
   for (int k = 0; k < found.count; ++k) {
@@ -66,7 +66,7 @@ Polynomial with_roots(const std::vector<double>& roots) {
   return p;
 }
 
-TEST(PolynomialRoots, finds_ten_roots_of_different_sizes) {
+TEST(PolynomialRoots, FindsTenRootsOfDifferentMagnitudes) {
   const std::vector<double> roots{-40, -7, -1, -0.3, -0.02, 0.01, 0.5, 1, 3, 20};
   const RealRoots found = real_roots(with_roots(roots));
   ASSERT_EQ(found.count, 10);
@@ -75,7 +75,7 @@ TEST(PolynomialRoots, finds_ten_roots_of_different_sizes) {
   }
 }
 
-TEST(PolynomialRoots, leaves_out_complex_ones) {
+TEST(PolynomialRoots, IgnoresComplexRoots) {
   Polynomial p = with_roots({-2, 0.5, 4});
   for (std::size_t i = p.size() - 1; i > 1; --i) p[i] += p[i - 2];  // times (1 + z^2)
   const RealRoots found = real_roots(p);
@@ -84,13 +84,13 @@ TEST(PolynomialRoots, leaves_out_complex_ones) {
   EXPECT_NEAR(found.root[2], 4, 1e-12);
 }
 
-TEST(PolynomialRoots, a_repeated_root_counts_once) {
+TEST(PolynomialRoots, CountsRepeatedRootOnce) {
   const RealRoots found = real_roots(with_roots({-1, 2, 2, 5}));
   ASSERT_EQ(found.count, 3);
   EXPECT_NEAR(found.root[1], 2, 1e-6);
 }
 
-TEST(PolynomialRoots, has_none_without_a_polynomial) {
+TEST(PolynomialRoots, ConstantOrNonFinitePolynomialHasNoRoots) {
   EXPECT_EQ(real_roots({}).count, 0);
   EXPECT_EQ(real_roots({1}).count, 0);
   EXPECT_EQ(real_roots({std::nan(""), 1}).count, 0);

@@ -13,7 +13,7 @@ constexpr double kNoise = 1e-3;
 const Eigen::Vector3d kStraightDown(0, 0, 1);
 const RigidTransform kSideways{Eigen::Quaterniond::Identity(), {kSideways_m, 0, 0}};
 
-// A row of features across the image, their depths over the height in turn.
+// Row of features across the image; depths over height cycle through `depths`.
 std::vector<BearingPair> row_of_features(const std::vector<double>& depths,
                                          const RigidTransform& current_from_reference) {
   std::vector<BearingPair> pairs;
@@ -31,13 +31,13 @@ std::optional<double> relief_of(const std::vector<BearingPair>& pairs, const Rig
                        {motion.rotation, motion.translation.normalized()}, normal, kNoise);
 }
 
-TEST(GroundRelief, FlatGroundHasNone) {
+TEST(GroundRelief, FlatGroundHasZeroRelief) {
   const auto pairs = row_of_features({1}, kSideways);
   EXPECT_NEAR(relief_of(pairs, kSideways, kStraightDown).value(), 0, 1e-12);
 }
 
-// A tilted camera over the ground: n.a changes over the image, and so does the depth.
-TEST(GroundRelief, KnowsHowTheGroundRecedes) {
+// Tilted camera: n.a and the depth change over the image.
+TEST(GroundRelief, AccountsForTiltedCamera) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.5, 0.3, 1).normalized();
   const RigidTransform motion{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, kStraightDown)),
                               {0.3, -0.4, 0.2}};
@@ -52,27 +52,27 @@ TEST(GroundRelief, KnowsHowTheGroundRecedes) {
   EXPECT_GT(relief_of(pairs, motion, kStraightDown).value(), 0.05);
 }
 
-// Parallaxes 1, 3/2 and 2 of the height's: the middle one is taken for the ground, and 1/2 of 3/2
-// stays unexplained.
-TEST(GroundRelief, IsWhatFlatGroundLeavesOfTheParallax) {
+// Parallaxes 1, 3/2 and 2 relative to flat ground: the median 3/2 is taken as ground, the median
+// residual is 1/2.
+TEST(GroundRelief, IsRelativeParallaxResidualOfFlatGround) {
   const auto pairs = row_of_features({1, 2 / 3.0, 0.5}, kSideways);
   EXPECT_NEAR(relief_of(pairs, kSideways, kStraightDown).value(), 1 / 3.0, 1e-9);
 }
 
-TEST(GroundRelief, AboveTheHorizonNothingIsFlat) {
+TEST(GroundRelief, FeaturesAboveTheHorizonHaveFullRelief) {
   const auto pairs = row_of_features({1}, kSideways);
   EXPECT_NEAR(relief_of(pairs, kSideways, -kStraightDown).value(), 1, 1e-9);
 }
 
-TEST(GroundRelief, TooLittleParallaxTellsNothing) {
-  const RigidTransform hardly{Eigen::Quaterniond::Identity(), {0.01, 0, 0}};
-  const auto pairs = row_of_features({1}, hardly);
-  EXPECT_FALSE(relief_of(pairs, hardly, kStraightDown));
-  EXPECT_FALSE(ground_misfit(pairs, hardly, kStraightDown, kCameraHeight_m, kNoise));
+TEST(GroundRelief, ReturnsNothingBelowMinimumParallax) {
+  const RigidTransform small_motion{Eigen::Quaterniond::Identity(), {0.01, 0, 0}};
+  const auto pairs = row_of_features({1}, small_motion);
+  EXPECT_FALSE(relief_of(pairs, small_motion, kStraightDown));
+  EXPECT_FALSE(ground_misfit(pairs, small_motion, kStraightDown, kCameraHeight_m, kNoise));
   EXPECT_FALSE(relief_of({}, kSideways, kStraightDown));
 }
 
-TEST(GroundMisfit, IsTheShareOfTheWayThatIsMissing) {
+TEST(GroundMisfit, IsRelativeTranslationError) {
   const auto pairs = row_of_features({1}, kSideways);
   EXPECT_NEAR(ground_misfit(pairs, kSideways, kStraightDown, kCameraHeight_m, kNoise).value(), 0,
               1e-12);

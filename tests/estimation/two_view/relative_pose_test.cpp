@@ -12,7 +12,7 @@
 namespace stillkite {
 namespace {
 
-TEST(RelativePose, exact_pairs_give_the_exact_pose) {
+TEST(RelativePose, ExactPairsGiveExactPose) {
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     const TwoViews views = make_two_views({.points = 200, .relief = 0.5, .noise_px = 0}, seed);
     const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {});
@@ -22,7 +22,7 @@ TEST(RelativePose, exact_pairs_give_the_exact_pose) {
   }
 }
 
-TEST(RelativePose, opencv_finds_the_exact_pose_of_exact_pairs) {
+TEST(RelativePose, OpenCvFindsPoseOfExactPairs) {
   for (const auto& [method, name] : EnumNames<EssentialMethod>::value) {
     const TwoViews views = make_two_views({.points = 200, .relief = 0.5, .noise_px = 0}, 3);
     const RelativePoseEstimate found =
@@ -34,7 +34,7 @@ TEST(RelativePose, opencv_finds_the_exact_pose_of_exact_pairs) {
   }
 }
 
-TEST(RelativePose, wrong_pairs_cost_little) {
+TEST(RelativePose, IsRobustToSixtyPercentOutliers) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const TwoViews views = make_two_views({.outliers = 0.6}, seed);
     const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {});
@@ -47,14 +47,14 @@ TEST(RelativePose, wrong_pairs_cost_little) {
   }
 }
 
-TEST(RelativePose, too_few_or_useless_pairs_are_undecided) {
+TEST(RelativePose, TooFewOrDegeneratePairsAreUndecided) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<std::vector<BearingPair>> bad{
+  const std::vector<std::vector<BearingPair>> degenerate{
       {},
       std::vector<BearingPair>(4, BearingPair{{0.1, 0.2}, {0.3, 0.1}}),
       std::vector<BearingPair>(50, BearingPair{{nan, 0}, {0, 0}}),
       make_two_views({.points = 100, .outliers = 1}, 1).pairs};
-  for (const auto& pairs : bad) {
+  for (const auto& pairs : degenerate) {
     const RelativePoseEstimate found = estimate_relative_pose(pairs, kFocal_px, {});
     EXPECT_EQ(found.model, ViewModel::undecided);
     EXPECT_EQ(found.inliers.size(), pairs.size());

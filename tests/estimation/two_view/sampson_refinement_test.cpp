@@ -18,7 +18,7 @@ BearingColumns columns_of(const std::vector<BearingPair>& pairs) {
   return {pairs, order};
 }
 
-TEST(SampsonRefinement, jacobian_of_the_essential_matrix_is_its_derivative) {
+TEST(SampsonRefinement, EssentialJacobianMatchesNumericDerivative) {
   const RelativePose pose = make_two_views({.points = 1}, 4).truth;
   const Eigen::Matrix<double, 9, 5> J = essential_jacobian(pose);
   for (int k = 0; k < 5; ++k) {
@@ -30,8 +30,8 @@ TEST(SampsonRefinement, jacobian_of_the_essential_matrix_is_its_derivative) {
   }
 }
 
-// With one pair and a cutoff far out the sums are g g^T and e g of that pair.
-TEST(SampsonRefinement, gradient_is_that_of_the_squared_error) {
+// One pair and a large cutoff: the sums are g g^T and e g.
+TEST(SampsonRefinement, GradientMatchesNumericDerivative) {
   const TwoViews views = make_two_views({.points = 1, .noise_px = 20}, 5);
   const Eigen::Matrix3d E = essential_matrix(views.truth);
   const SampsonSums sums = sampson_sums(columns_of(views.pairs), E, 1e6);
@@ -48,7 +48,7 @@ TEST(SampsonRefinement, gradient_is_that_of_the_squared_error) {
   }
 }
 
-TEST(SampsonRefinement, gradient_of_the_transfer_is_that_of_its_squared_error) {
+TEST(SampsonRefinement, TransferGradientMatchesNumericDerivative) {
   const TwoViews views = make_two_views({.points = 1, .noise_px = 3}, 5);
   const Eigen::Matrix3d H = views.truth.current_from_reference.toRotationMatrix();
   const TransferSums sums = transfer_sums(columns_of(views.pairs), H, 1e6);
@@ -62,22 +62,22 @@ TEST(SampsonRefinement, gradient_of_the_transfer_is_that_of_its_squared_error) {
     const double slope = (std::pow(transfer_error(plus, views.pairs[0]), 2) -
                           std::pow(transfer_error(minus, views.pairs[0]), 2)) /
                          (4 * h);
-    // but for the change of the weight matrix, which is of second order in the error
+    // neglects the derivative of the weight matrix, second order in the error
     EXPECT_NEAR(sums.gradient[i], slope, 3 * error * error) << i;
   }
 }
 
-TEST(SampsonRefinement, finds_the_exact_pose_from_a_near_one) {
+TEST(SampsonRefinement, ConvergesToExactPose) {
   const TwoViews views = make_two_views({.points = 100, .relief = 0.5, .noise_px = 0}, 6);
-  PoseStep off;
-  off << 0.01, -0.02, 0.01, 0.1, -0.1;
+  PoseStep initial_error;
+  initial_error << 0.01, -0.02, 0.01, 0.1, -0.1;
   const RelativePose found =
-      refine_pose(columns_of(views.pairs), apply(views.truth, off), 100 / kFocal_px, 30);
+      refine_pose(columns_of(views.pairs), apply(views.truth, initial_error), 100 / kFocal_px, 30);
   EXPECT_LT(rotation_error_deg(found, views.truth), 1e-7);
   EXPECT_LT(direction_error_deg(found, views.truth), 1e-6);
 }
 
-// Normalised squared error of (rotation vector, direction in its tangent plane).
+// NEES of the rotation vector and of the direction in its tangent plane.
 struct Nees {
   double rotation = 0, direction = 0;
 };
@@ -86,17 +86,18 @@ Nees nees_of(const RelativePoseEstimate& found, const RelativePose& truth) {
       so3_log(found.pose.current_from_reference * truth.current_from_reference.conjugate());
   const Eigen::Matrix<double, 3, 2> basis = tangent_basis(found.pose.direction);
   const Eigen::Vector2d u = basis.transpose() * (found.pose.direction - truth.direction);
-  const Eigen::Matrix2d of_direction =
+  const Eigen::Matrix2d direction_covariance =
       basis.transpose() * found.covariance.bottomRightCorner<3, 3>() * basis;
-  const Eigen::Matrix3d of_rotation = found.covariance.topLeftCorner<3, 3>();
-  return {w.dot(of_rotation.ldlt().solve(w)), u.dot(of_direction.ldlt().solve(u))};
+  const Eigen::Matrix3d rotation_covariance_block = found.covariance.topLeftCorner<3, 3>();
+  return {w.dot(rotation_covariance_block.ldlt().solve(w)),
+          u.dot(direction_covariance.ldlt().solve(u))};
 }
 
 class Covariance : public testing::TestWithParam<TwoViewScene> {};
 
-// The mean of 120 chi-squares with k degrees of freedom has the standard deviation sqrt(2 k / 120):
-// 0.22 for 3 and 0.18 for 2; four of them are allowed.
-TEST_P(Covariance, predicts_the_errors) {
+// Mean of 120 chi-square samples with k degrees of freedom: standard deviation sqrt(2 k / 120),
+// 0.22 for 3 and 0.18 for 2; tolerance four standard deviations.
+TEST_P(Covariance, IsConsistentWithErrors) {
   constexpr int kSeeds = 120;
   Nees mean;
   int counted = 0;

@@ -14,18 +14,18 @@
 
 namespace stillkite {
 
-/// Two views of random points: 800x480 px, focal length 700 px, the points at depth 1 in the mean.
+/// Two views of random points: 800x480 px, focal length 700 px, mean depth 1.
 struct TwoViewScene {
   static constexpr double kFocal_px = 700;
 
-  ViewModel content = ViewModel::general;  ///< what the scene is to show
+  ViewModel content = ViewModel::general;  ///< simulated model
   int points = 1000;
   double baseline = 0.1;  ///< length of the translation
   double relief = 0.12;   ///< full range of the depths
-  double noise_px = 0.3;  ///< a coordinate, in both views
-  double patch_px = 0;    ///< a coordinate, in the current view, the same within 60x60 px
-  double outliers = 0;    ///< part of the pairs
-  double turn_rad = 0.1;
+  double noise_px = 0.3;  ///< standard deviation per coordinate, both views
+  double patch_px = 0;    ///< standard deviation per coordinate, current view, common to 60x60 px
+  double outliers = 0;    ///< share of the pairs
+  double rotation_rad = 0.1;
 };
 inline constexpr double kFocal_px = TwoViewScene::kFocal_px;
 
@@ -33,12 +33,12 @@ struct TwoViews {
   std::vector<BearingPair> pairs;
   std::vector<unsigned char> is_inlier;
   RelativePose truth;
-  Eigen::Vector3d normal;   ///< of the plane, towards it from the reference camera
+  Eigen::Vector3d normal;   ///< of the plane, from the reference camera towards it
   double deviation_px = 0;  ///< RMS distance of the inliers' depths from the plane, as parallax
-  double parallax_px = 0;   ///< RMS displacement of the inliers that no rotation explains
+  double parallax_px = 0;   ///< RMS displacement of the inliers after the best rotation
 };
 
-/// Pure in the seed.
+/// Deterministic in the seed.
 [[nodiscard]] inline TwoViews make_two_views(const TwoViewScene& scene, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -51,12 +51,11 @@ struct TwoViews {
   const bool moves = !still && scene.content != ViewModel::rotation_only;
   const Eigen::Vector3d axis = direction();
   views.truth.current_from_reference =
-      so3_exp(still ? Eigen::Vector3d::Zero() : Eigen::Vector3d(scene.turn_rad * axis));
+      so3_exp(still ? Eigen::Vector3d::Zero() : Eigen::Vector3d(scene.rotation_rad * axis));
   views.truth.direction = moves ? direction() : Eigen::Vector3d::Zero();
-  // a plane that leans by up to some 35 degrees from the image's
-  const Eigen::Vector3d leaning(0.5 * (2 * unit(random) - 1), 0.5 * (2 * unit(random) - 1), 1);
-  views.normal =
-      scene.content == ViewModel::plane ? leaning.normalized() : Eigen::Vector3d::UnitZ();
+  // plane normal up to 35 deg from the optical axis
+  const Eigen::Vector3d tilted(0.5 * (2 * unit(random) - 1), 0.5 * (2 * unit(random) - 1), 1);
+  views.normal = scene.content == ViewModel::plane ? tilted.normalized() : Eigen::Vector3d::UnitZ();
   const auto pixel = [&]() -> Eigen::Vector2d {
     return Eigen::Vector2d((unit(random) - 0.5) * 800, (unit(random) - 0.5) * 480) /
            TwoViewScene::kFocal_px;
@@ -70,20 +69,20 @@ struct TwoViews {
     return Eigen::Vector2d(sigma * normal(random), sigma * normal(random));
   };
   std::mt19937 patch_random(seed + 1);
-  std::vector<Eigen::Vector2d> patches;
+  std::vector<Eigen::Vector2d> patch_errors;
   for (int i = 0; i < 20 * 20; ++i) {
     const double x = normal(patch_random);
-    patches.emplace_back(x, normal(patch_random));
+    patch_errors.emplace_back(x, normal(patch_random));
   }
   const auto patch = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
     const Eigen::Vector2i at = (p * TwoViewScene::kFocal_px / 60).array().floor().cast<int>();
     return scene.patch_px / TwoViewScene::kFocal_px *
-           patches[static_cast<std::size_t>(20 * (at.y() + 10) + at.x() + 10)];
+           patch_errors[static_cast<std::size_t>(20 * (at.y() + 10) + at.x() + 10)];
   };
-  double squares = 0;
-  // least squares of the displacements by a small rotation
-  Eigen::Matrix3d turning = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d turned_by = Eigen::Vector3d::Zero();
+  double squared_deviation = 0;
+  // least-squares fit of a small rotation to the displacements
+  Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_hand_side = Eigen::Vector3d::Zero();
   double parallax = 0;
   int inliers = 0;
   while (static_cast<int>(views.pairs.size()) < scene.points) {
@@ -97,26 +96,27 @@ struct TwoViews {
     if (scene.content == ViewModel::plane) {
       depth = views.normal.z() / views.normal.dot(a.homogeneous());
     }
-    const Eigen::Vector3d turned = views.truth.current_from_reference * a.homogeneous();
-    const Eigen::Vector3d moved = depth * turned + scene.baseline * views.truth.direction;
+    const Eigen::Vector3d rotated = views.truth.current_from_reference * a.homogeneous();
+    const Eigen::Vector3d moved = depth * rotated + scene.baseline * views.truth.direction;
     if (moved.z() < 0.05 || !inside(moved.hnormalized())) continue;
     const Eigen::Vector2d b = moved.hnormalized();
     views.pairs.push_back({a + noise(), b + patch(b) + noise()});
     views.is_inlier.push_back(1);
-    const Eigen::Vector2d p = turned.hnormalized();
+    const Eigen::Vector2d p = rotated.hnormalized();
     const Eigen::Vector2d displacement = moved.hnormalized() - p;
     Eigen::Matrix<double, 2, 3> J;
     J << -p.x() * p.y(), 1 + p.x() * p.x(), -p.y(), -1 - p.y() * p.y(), p.x() * p.y(), p.x();
-    turning += J.transpose() * J;
-    turned_by += J.transpose() * displacement;
+    normal_matrix += J.transpose() * J;
+    right_hand_side += J.transpose() * displacement;
     parallax += displacement.squaredNorm();
-    squares += (depth - 1) * (depth - 1) * displacement.squaredNorm();
+    squared_deviation += (depth - 1) * (depth - 1) * displacement.squaredNorm();
     ++inliers;
   }
-  parallax -= turned_by.dot(turning.ldlt().solve(turned_by));
+  parallax -= right_hand_side.dot(normal_matrix.ldlt().solve(right_hand_side));
   views.parallax_px =
       TwoViewScene::kFocal_px * std::sqrt(std::max(parallax, 0.0) / std::max(inliers, 1));
-  views.deviation_px = TwoViewScene::kFocal_px * std::sqrt(squares / std::max(inliers, 1));
+  views.deviation_px =
+      TwoViewScene::kFocal_px * std::sqrt(squared_deviation / std::max(inliers, 1));
   return views;
 }
 

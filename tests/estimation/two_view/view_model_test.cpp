@@ -15,7 +15,7 @@ RelativePoseHints vertical_of(const TwoViews& views) {
           .up_in_current = views.truth.current_from_reference * -views.normal};
 }
 
-TEST(ViewModelTest, names_what_is_seen) {
+TEST(ViewModelTest, SelectsTheSimulatedModel) {
   for (const ViewModel content :
        {ViewModel::still, ViewModel::rotation_only, ViewModel::plane, ViewModel::general}) {
     for (std::uint32_t seed = 1; seed <= 10; ++seed) {
@@ -37,8 +37,8 @@ TEST(ViewModelTest, names_what_is_seen) {
   }
 }
 
-// Exact pairs have no noise by which to judge: what the floor excuses is not taken for motion.
-TEST(ViewModelTest, equal_pairs_are_still) {
+// Exact pairs: the noise estimate is 0, only the systematic-error floor remains.
+TEST(ViewModelTest, EqualPairsAreStill) {
   const TwoViews views = make_two_views({.content = ViewModel::still, .noise_px = 0}, 1);
   const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {});
   EXPECT_EQ(found.model, ViewModel::still);
@@ -46,7 +46,7 @@ TEST(ViewModelTest, equal_pairs_are_still) {
   EXPECT_EQ(found.inlier_count, 1000);
 }
 
-TEST(ViewModelTest, a_plain_wrong_prior_changes_nothing) {
+TEST(ViewModelTest, IsRobustToWrongPrior) {
   for (const ViewModel content : {ViewModel::rotation_only, ViewModel::plane, ViewModel::general}) {
     for (std::uint32_t seed = 1; seed <= 5; ++seed) {
       const TwoViews views = make_two_views({.content = content, .outliers = 0.3}, seed);
@@ -59,7 +59,7 @@ TEST(ViewModelTest, a_plain_wrong_prior_changes_nothing) {
   }
 }
 
-TEST(Homography, a_homography_has_the_two_views_that_made_it) {
+TEST(Homography, DecompositionContainsTheTrueMotion) {
   for (std::uint32_t seed = 1; seed <= 50; ++seed) {
     const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 1}, seed);
     const PlaneMotion truth{views.truth.current_from_reference, 0.3 * views.truth.direction,
@@ -74,49 +74,50 @@ TEST(Homography, a_homography_has_the_two_views_that_made_it) {
   }
 }
 
-TEST(Homography, a_rotation_is_its_own_homography) {
-  const Eigen::Quaterniond turn = so3_exp({0.1, -0.2, 0.3});
-  for (const PlaneMotion& view : decompose_homography(3 * turn.toRotationMatrix())) {
-    EXPECT_LT(angle_between_rad(view.rotation, turn), 1e-7);
+TEST(Homography, DecomposesPureRotation) {
+  const Eigen::Quaterniond rotation = so3_exp({0.1, -0.2, 0.3});
+  for (const PlaneMotion& view : decompose_homography(3 * rotation.toRotationMatrix())) {
+    EXPECT_LT(angle_between_rad(view.rotation, rotation), 1e-7);
     EXPECT_LT(view.translation.norm(), 1e-7);
   }
 }
 
-// Forward flight at a leaning plane: both views have all pairs in front.
-TEST(PlaneViews, two_views_that_nothing_tells_apart_are_undecided) {
+// Forward flight towards a tilted plane: both motions have all pairs in front.
+TEST(PlaneViews, AmbiguousMotionsAreUndecided) {
   int undecided = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 300}, seed);
-    const RelativePoseEstimate alone = estimate_relative_pose(views.pairs, kFocal_px, {});
-    if (alone.model == ViewModel::undecided) {
+    const RelativePoseEstimate without_prior = estimate_relative_pose(views.pairs, kFocal_px, {});
+    if (without_prior.model == ViewModel::undecided) {
       ++undecided;
-      EXPECT_EQ(alone.pose.direction.norm(), 0);
-      EXPECT_GT(alone.inlier_count, 200);
+      EXPECT_EQ(without_prior.pose.direction.norm(), 0);
+      EXPECT_GT(without_prior.inlier_count, 200);
     } else {
-      EXPECT_LT(rotation_error_deg(alone.pose, views.truth), 0.3) << seed;
+      EXPECT_LT(rotation_error_deg(without_prior.pose, views.truth), 0.3) << seed;
     }
-    const RelativePoseEstimate by_prior =
+    const RelativePoseEstimate with_prior =
         estimate_relative_pose(views.pairs, kFocal_px, {}, {.prior = views.truth});
-    if (by_prior.model == ViewModel::plane) {
-      EXPECT_LT(rotation_error_deg(by_prior.pose, views.truth), 0.3) << seed;
+    if (with_prior.model == ViewModel::plane) {
+      EXPECT_LT(rotation_error_deg(with_prior.pose, views.truth), 0.3) << seed;
     }
   }
   EXPECT_GT(undecided, 3);
 }
 
-// As the vertical is that an estimator carries on which something else in the image pulls at.
-TEST(Homography, a_vertical_that_errs_does_not_outvote_level_ground_and_the_prior) {
+// Wrong vertical, as after propagation by an estimator biased by moving objects.
+TEST(Homography, LevelPlaneAndPriorOverrideWrongVertical) {
   const TwoViewScene scene{.content = ViewModel::plane, .points = 300, .baseline = 0.3};
   int decided = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const TwoViews views = make_two_views(scene, seed);
     const PlaneMotion truth{views.truth.current_from_reference,
                             scene.baseline * views.truth.direction, views.normal};
-    for (const PlaneMotion& other : decompose_homography(truth.homography())) {
-      const double apart_rad = angle_between_rad(other.rotation, truth.rotation);
-      if (apart_rad < 3 * kDegree) continue;  // the true view, or too near for the prior to tell
+    for (const PlaneMotion& hypothesis : decompose_homography(truth.homography())) {
+      const double separation_rad = angle_between_rad(hypothesis.rotation, truth.rotation);
+      // true motion, or too close to resolve by the prior
+      if (separation_rad < 3 * kDegree) continue;
       RelativePoseHints hints = vertical_of(views);
-      hints.up_in_current = other.rotation * *hints.up_in_reference;
+      hints.up_in_current = hypothesis.rotation * *hints.up_in_reference;
       hints.prior = views.truth;
       const RelativePoseEstimate found = estimate_relative_pose(views.pairs, kFocal_px, {}, hints);
       if (found.model != ViewModel::plane) continue;
@@ -127,9 +128,9 @@ TEST(Homography, a_vertical_that_errs_does_not_outvote_level_ground_and_the_prio
   EXPECT_GT(decided, 10);
 }
 
-// What neighbours share, as what a lens is off by, is taken for depth, and at times suits an
-// essential matrix near the plane's other pose better than the true one.
-TEST(PlaneViews, level_ground_behind_a_lens_that_is_not_as_told_has_its_true_pose) {
+// Spatially correlated errors, as of a lens distortion model, mimic depth; an essential matrix near
+// the plane's other pose can have the lower cost.
+TEST(PlaneViews, LevelGroundResolvesPoseDespiteLensDistortionError) {
   const TwoViewScene scene{
       .content = ViewModel::plane, .points = 300, .noise_px = 0.05, .patch_px = 0.6};
   int general = 0;
@@ -147,9 +148,9 @@ TEST(PlaneViews, level_ground_behind_a_lens_that_is_not_as_told_has_its_true_pos
   EXPECT_LT(undecided, 5);
 }
 
-// 400 pairs of a camera at the height 1 that looks so far below the horizon: ground, and above it
-// what stands 10 to 30 away.
-TwoViews make_ground_and_horizon(double pitch_rad, double way, std::uint32_t seed) {
+// 400 pairs of a camera at height 1, pitched down by `pitch_rad`: ground, and points above the
+// horizon at depths 10 to 30.
+TwoViews make_ground_and_horizon(double pitch_rad, double baseline, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> normal;
@@ -167,33 +168,33 @@ TwoViews make_ground_and_horizon(double pitch_rad, double way, std::uint32_t see
   while (views.pairs.size() < 400) {
     const double x = unit(random);
     const Eigen::Vector2d a((x - 0.5) * 800 / kFocal_px, (unit(random) - 0.5) * 480 / kFocal_px);
-    const double below = views.normal.dot(a.homogeneous());
-    const double depth = below > 0.05 ? 1 / below : 10 + 20 * unit(random);
-    const Eigen::Vector3d now = depth * (views.truth.current_from_reference * a.homogeneous()) +
-                                way * views.truth.direction;
-    if (now.z() > 0.1) views.pairs.push_back({a + noise(), now.hnormalized() + noise()});
+    const double inverse_depth = views.normal.dot(a.homogeneous());
+    const double depth = inverse_depth > 0.05 ? 1 / inverse_depth : 10 + 20 * unit(random);
+    const Eigen::Vector3d moved = depth * (views.truth.current_from_reference * a.homogeneous()) +
+                                  baseline * views.truth.direction;
+    if (moved.z() > 0.1) views.pairs.push_back({a + noise(), moved.hnormalized() + noise()});
   }
   return views;
 }
 
-TEST(PlaneViews, what_stands_behind_level_ground_does_not_make_its_other_pose_the_true_one) {
+TEST(PlaneViews, PointsBehindGroundDoNotSelectTheWrongPose) {
   for (const double pitch_deg : {10, 15, 20}) {
-    for (const double way : {0.05, 0.15}) {
+    for (const double baseline : {0.05, 0.15}) {
       int undecided = 0;
       for (std::uint32_t seed = 1; seed <= 50; ++seed) {
-        const TwoViews views = make_ground_and_horizon(pitch_deg * kDegree, way, seed);
+        const TwoViews views = make_ground_and_horizon(pitch_deg * kDegree, baseline, seed);
         const RelativePoseEstimate found =
             estimate_relative_pose(views.pairs, kFocal_px, {}, vertical_of(views));
         undecided += found.model == ViewModel::undecided ? 1 : 0;
         if (found.model == ViewModel::undecided) continue;
         EXPECT_LT(direction_error_deg(found.pose, views.truth), 15) << pitch_deg << ' ' << seed;
       }
-      EXPECT_LT(undecided, 3) << pitch_deg << ' ' << way;
+      EXPECT_LT(undecided, 3) << pitch_deg << ' ' << baseline;
     }
   }
 }
 
-TEST(Homography, a_vertical_tells_the_poses_of_a_wall_apart) {
+TEST(Homography, VerticalResolvesTheMotionsOfAWall) {
   int decided = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const TwoViews views = make_two_views({.content = ViewModel::plane, .points = 300}, seed);

@@ -1,4 +1,4 @@
-// A user's own program: the navigator over one image of a camera that looks straight down.
+// Minimal library user: one step of the navigator with a camera looking straight down.
 #include <iostream>
 #include <stillkite/navigation/navigator.hpp>
 

@@ -8,7 +8,7 @@
 namespace stillkite {
 namespace {
 
-// Dotted paths of all keys, groups that are not there included.
+// Dotted paths of all keys, absent groups included.
 void list_keys(const ConfigNode& node, const std::string& prefix, std::vector<std::string>& keys) {
   for (const auto& [name, value] : node.entries) {
     if (value.kind == ConfigNode::Kind::map) {
@@ -19,7 +19,7 @@ void list_keys(const ConfigNode& node, const std::string& prefix, std::vector<st
   }
 }
 
-// One value for every key: optional ones that are not set by default get one here.
+// Configuration with a value for every key, optional ones included.
 ConfigNode full_config() {
   RunConfig config;
   config.source = {.path = "/v.mp4", .start_s = 1, .end_s = 2, .rate_hz = 30};
@@ -33,7 +33,7 @@ ConfigNode full_config() {
   return parse_yaml(print_config(config), "full.yaml", "/");
 }
 
-TEST(RunConfig, EveryKeyIsReadAndPrintedAgain) {
+TEST(RunConfig, EveryKeyIsReadAndPrinted) {
   const ConfigNode root = full_config();
   const std::string printed = print_config(bind_config<RunConfig>(root));
   EXPECT_EQ(printed, print_config(bind_config<RunConfig>(parse_yaml(printed, "again.yaml", "/"))));
@@ -42,8 +42,7 @@ TEST(RunConfig, EveryKeyIsReadAndPrintedAgain) {
   EXPECT_GT(keys.size(), 45u);
 }
 
-// A key that is misspelt anywhere is an error that suggests the right one.
-TEST(RunConfig, EveryKeyMisspeltIsAnErrorThatNamesIt) {
+TEST(RunConfig, SuggestsTheKeyForEveryMisspelling) {
   std::vector<std::string> keys;
   list_keys(full_config(), "", keys);
   for (const std::string& key : keys) {
@@ -59,8 +58,8 @@ TEST(RunConfig, EveryKeyMisspeltIsAnErrorThatNamesIt) {
   }
 }
 
-// No key takes a word that means nothing to it, unless it takes any text.
-TEST(RunConfig, EveryKeyChecksItsValue) {
+// Except for paths, which accept any text.
+TEST(RunConfig, EveryKeyRejectsAnInvalidValue) {
   std::vector<std::string> keys;
   list_keys(full_config(), "", keys);
   for (const std::string& key : keys) {
@@ -69,7 +68,7 @@ TEST(RunConfig, EveryKeyChecksItsValue) {
   }
 }
 
-TEST(RunConfig, PathsCountFromTheFileAndOnTheCommandLineFromHere) {
+TEST(RunConfig, ResolvesPathsRelativeToTheFileOrTheCurrentFolder) {
   const TemporaryFolder folder;
   const auto file = folder.file("sub/a.yaml", "source: {path: v.mp4}\ntruth: {path: ../t.tum}\n");
   const RunConfig config = load_run_config(file, {"height.path=h.csv"});
@@ -78,7 +77,7 @@ TEST(RunConfig, PathsCountFromTheFileAndOnTheCommandLineFromHere) {
   EXPECT_EQ(config.height.path, std::filesystem::current_path() / "h.csv");
 }
 
-TEST(RunConfig, TheShadowControllerRunsBesideTheReferenceOrWhereItIsToldTo) {
+TEST(RunConfig, EnablesShadowControllerByPolicyUnlessSet) {
   const auto has_shadow = [](const std::vector<std::string>& overrides) {
     return load_run_config(std::nullopt, overrides).has_shadow();
   };
@@ -88,8 +87,8 @@ TEST(RunConfig, TheShadowControllerRunsBesideTheReferenceOrWhereItIsToldTo) {
   EXPECT_FALSE(has_shadow({"estimator.policy=reference", "shadow.enabled=false"}));
 }
 
-// Squares of these numbers, and their inverses, made every figure of a run none.
-TEST(RunConfig, SigmasThatNoFilterCanReckonWithAreOutOfRange) {
+// Their squares or inverses would overflow or underflow in the filter.
+TEST(RunConfig, RejectsNumericallyExtremeSigmas) {
   for (const char* key :
        {"navigator.filter.acceleration_density", "navigator.filter.angular_acceleration_density",
         "navigator.alignment.solver.outlier_sigma", "navigator.paper.filter.velocity_sigma_m_s",

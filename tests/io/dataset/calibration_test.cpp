@@ -89,19 +89,19 @@ TEST(Calibration, ReadsEuroc) {
                         .coefficients = {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05}};
   EXPECT_EQ(c.camera, expected);
   ASSERT_TRUE(c.body_from_camera.has_value());
-  // the camera's x axis is the body's y
+  // x axis of the camera = y axis of the body
   EXPECT_LT(
       (*c.body_from_camera * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0.1, 0.8, 0.3)).norm(),
       1e-12);
 }
 
-TEST(Calibration, ReadsKalibrAndTurnsItsExtrinsicsRound) {
+TEST(Calibration, ReadsKalibrAndInvertsExtrinsics) {
   const Calibration c = parse(kKalibr);
   EXPECT_EQ(c.camera.distortion, DistortionModel::equidistant);
   EXPECT_EQ(c.camera.coefficients, (std::array<double, 8>{0.01, -0.02, 0.003, -0.004}));
   EXPECT_EQ(c.camera.focal_y_px, 460.2);
   ASSERT_TRUE(c.body_from_camera.has_value());
-  // T_cam_imu of this text is the inverse of T_BS above
+  // T_cam_imu is the inverse of T_BS above
   EXPECT_LT(
       (*c.body_from_camera * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0.1, 0.8, 0.3)).norm(),
       1e-12);
@@ -130,10 +130,10 @@ TEST(Calibration, ReadsOpencvWithFourFiveAndEightCoefficients) {
   EXPECT_EQ(parse(fisheye + "fisheye_model: 1\n").camera.distortion, DistortionModel::equidistant);
 }
 
-TEST(Calibration, MessagesNamePlaceKeyAndRemedy) {
+TEST(Calibration, ErrorsNameLocationKeyAndRemedy) {
   EXPECT_EQ(error_of("a: 1\n"),
-            "c.yaml: no camera calibration; known are EuRoC sensor.yaml (key intrinsics), Kalibr "
-            "camchain (cam0) and OpenCV (camera_matrix)");
+            "c.yaml: no camera calibration; supported formats: EuRoC sensor.yaml (key intrinsics), "
+            "Kalibr camchain (cam0), OpenCV (camera_matrix)");
   EXPECT_EQ(error_of(with(kEuroc, "resolution: [752, 480]\n", "")),
             "c.yaml:3:1: key 'resolution' is missing");
   EXPECT_EQ(error_of(with(kEuroc, "458.654", ".nan")),
@@ -141,27 +141,27 @@ TEST(Calibration, MessagesNamePlaceKeyAndRemedy) {
   EXPECT_EQ(error_of(with(kEuroc, "458.654", "-458")),
             "c.yaml: focal lengths -458, 457.296 px must be positive (and below 1e6)");
   EXPECT_EQ(error_of(with(kEuroc, "[752, 480]", "[0, 480]")),
-            "c.yaml:12:14: resolution: 0 is out of range, allowed is [1, 100000]");
+            "c.yaml:12:14: resolution: 0 is out of range, allowed: [1, 100000]");
   EXPECT_EQ(error_of(with(kEuroc, "pinhole", "omni")),
             "c.yaml:13:1: camera_model: 'omni' is not one of pinhole");
   EXPECT_EQ(error_of(with(kEuroc, "1.0, 0.0, 0.0, -0.2", "2.0, 0.0, 0.0, -0.2")),
-            "c.yaml:4:1: T_BS: is no rigid transform: its rotation must be orthonormal and "
-            "right-handed, its last row 0 0 0 1");
+            "c.yaml:4:1: T_BS: not a rigid transform: the rotation must be orthonormal and "
+            "right-handed, the last row 0 0 0 1");
   EXPECT_EQ(error_of(with(kEuroc, "367.215", "3672.15")),
-            "c.yaml: principal point 3672.15, 248.375 px is outside the image of 752 x 480: is "
-            "it of another resolution?");
+            "c.yaml: principal point 3672.15, 248.375 px is outside the 752 x 480 image; give "
+            "it in pixels of this resolution");
   EXPECT_EQ(error_of(with(kEuroc, "458.654", "0.61")),
-            "c.yaml: focal lengths 0.61, 457.296 px are below a tenth of the image, 752 x 480: "
-            "are they in pixels, and of this resolution?");
+            "c.yaml: focal lengths 0.61, 457.296 px are below 10 % of the image size 752 x 480; "
+            "give them in pixels of this resolution");
   EXPECT_EQ(error_of(with(kKalibr, "0.01, ", "")),
-            "c.yaml:9:3: cam0.distortion_coeffs: 3 coefficients, 4 are needed for equidistant");
+            "c.yaml:9:3: cam0.distortion_coeffs: 3 coefficients, expected 4 for equidistant");
   EXPECT_EQ(error_of(with(kOpencv, "rows: 5", "rows: 6")),
-            "c.yaml:11:1: distortion_coefficients: 5 numbers for 6 x 1");
+            "c.yaml:11:1: distortion_coefficients: 5 numbers for a 6 x 1 matrix");
   EXPECT_EQ(error_of(with(kOpencv, "531.", "531., 2.")),
-            "c.yaml:6:1: camera_matrix: 10 numbers for 3 x 3");
+            "c.yaml:6:1: camera_matrix: 10 numbers for a 3 x 3 matrix");
 }
 
-TEST(Calibration, ReadsTheRealDataSets) {
+TEST(Calibration, ReadsRealDataSets) {
   const char* data = std::getenv("STILLKITE_DATA");
   if (data == nullptr || *data == '\0') GTEST_SKIP() << "STILLKITE_DATA is not set";
   for (const char* name : {"flight_mat", "handheld_plane", "road_forward", "hover_static"}) {

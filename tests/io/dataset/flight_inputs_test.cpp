@@ -22,14 +22,14 @@ class Inputs : public testing::Test {
   Frame first{.stamp = from_seconds(1.5), .grey = cv::Mat(1080, 1920, CV_8UC1)};
 };
 
-TEST_F(Inputs, WithoutAnyHeightTheUnitIsTheInitialHeight) {
+TEST_F(Inputs, WithoutHeightLengthsAreInInitialHeights) {
   const FlightInputs inputs = read();
   EXPECT_EQ(inputs.initial.scale, ScaleSource::none);
   EXPECT_EQ(inputs.initial.world_from_body.translation, Eigen::Vector3d(0, 0, 1));
   EXPECT_TRUE(inputs.truth.empty());
 }
 
-TEST_F(Inputs, TheMountTurnsTheCameraByItsAngleBelowTheHorizon) {
+TEST_F(Inputs, MountPitchesOpticalAxisBelowTheHorizon) {
   struct Case {
     double down_deg;
     Eigen::Vector3d axis;  // optical, in the body
@@ -41,13 +41,13 @@ TEST_F(Inputs, TheMountTurnsTheCameraByItsAngleBelowTheHorizon) {
     EXPECT_LT((q * Eigen::Vector3d::UnitZ() - c.axis).norm(), 1e-12) << c.down_deg;
     EXPECT_LT((q * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
   }
-  // looking down the image's top is the nose
+  // looking down, image up is body forward
   config.mount.down_deg.reset();
   const Eigen::Quaterniond q = read().body_from_camera.rotation;
   EXPECT_LT((q * Eigen::Vector3d(0, -1, 0) - Eigen::Vector3d::UnitX()).norm(), 1e-12);
 }
 
-TEST_F(Inputs, TheStartIsTheTruthAtTheFirstFrame) {
+TEST_F(Inputs, InitialPoseIsTheTruthAtTheFirstFrame) {
   config.truth.path = folder.file("t.tum", "1 0 0 10 0 0 0 1\n2 2 4 20 0 0 0 1\n");
   config.initial.from_truth = true;
   const FlightInputs inputs = read();
@@ -61,19 +61,19 @@ TEST_F(Inputs, TheStartIsTheTruthAtTheFirstFrame) {
 
   first.stamp = from_seconds(0.5);
   EXPECT_EQ(error(),
-            "initial.from_truth: the truth's stamps are 1 s to 2 s, the first frame's is 0.5 s; "
-            "choose source.start_s within them");
+            "initial.from_truth: the truth covers 1 s to 2 s, the first frame is at 0.5 s; "
+            "choose source.start_s within the truth");
   config.truth.path.reset();
-  EXPECT_NE(error().find("there is no truth"), std::string::npos);
+  EXPECT_NE(error().find("no truth; set truth.path"), std::string::npos);
 }
 
-TEST_F(Inputs, ATruthFolderWithoutDataIsNoTruth) {
+TEST_F(Inputs, TruthFolderWithoutDataMeansNoTruth) {
   folder.write("truth/sensor.yaml", "x: 1\n");
   config.truth.path = folder.path() / "truth";
   EXPECT_TRUE(read().truth.empty());
 }
 
-TEST_F(Inputs, ARangeFinderGivesTheStartsHeight) {
+TEST_F(Inputs, RangeFinderGivesInitialHeight) {
   config.height = {.source = HeightSource::range,
                    .path = folder.file("h.csv", "t [s],h\n1.4,8\n1.6,10\n")};
   const FlightInputs inputs = read();
@@ -81,38 +81,39 @@ TEST_F(Inputs, ARangeFinderGivesTheStartsHeight) {
   EXPECT_NEAR(inputs.initial.world_from_body.translation.z(), 9, 1e-9);
 }
 
-TEST_F(Inputs, ARangeFinderThatContradictsTheHeightByFarIsAnError) {
+TEST_F(Inputs, RejectsRangeInconsistentWithInitialHeight) {
   config.height = {.source = HeightSource::range,
                    .path = folder.file("h.csv", "t [s],h\n1.4,8000\n1.6,8100\n")};
   config.initial.height_m = 8;
-  EXPECT_NE(error().find("is one of them not in metres?"), std::string::npos);
+  EXPECT_NE(error().find("disagrees with the initial height"), std::string::npos);
   config.initial.height_m = 8100;
   EXPECT_EQ(error(), "accepted");
 }
 
-TEST_F(Inputs, TwoStartsAreAnError) {
+TEST_F(Inputs, RejectsTwoInitialStates) {
   config.truth.path = folder.file("t.tum", "1 0 0 10 0 0 0 1\n2 2 4 20 0 0 0 1\n");
   config.initial.from_truth = true;
   config.initial.height_m = 20;
-  EXPECT_NE(error().find("are both given; keep one"), std::string::npos);
+  EXPECT_NE(error().find("are both set; keep one"), std::string::npos);
 }
 
-TEST_F(Inputs, ALensHasAsManyCoefficientsAsItsModel) {
+TEST_F(Inputs, RejectsCoefficientCountOfAnotherDistortionModel) {
   CameraConfig& camera = *config.calibration.camera;
   camera.coefficients = {-0.3, 0.1, 0, 0};
-  EXPECT_EQ(error(),
-            "calibration.camera.coefficients: 4 coefficients of no model; give distortion too");
+  EXPECT_EQ(
+      error(),
+      "calibration.camera.coefficients: 4 coefficients without a distortion model; set distortion");
   camera.distortion = DistortionModel::radial_tangential;
   EXPECT_EQ(error(), "accepted");
   camera.coefficients = {-0.3, 0.1, 0};
-  EXPECT_NE(error().find("3 coefficients, 4, 5 or 8 are needed"), std::string::npos);
+  EXPECT_NE(error().find("3 coefficients, expected 4, 5 or 8"), std::string::npos);
   camera.coefficients = {-0.3, 0.1, 0, 0, 0};
   camera.distortion = DistortionModel::equidistant;
-  EXPECT_NE(error().find("5 coefficients, 4 are needed"), std::string::npos);
+  EXPECT_NE(error().find("5 coefficients, expected 4"), std::string::npos);
 }
 
-// Its numbers would be left out silently.
-TEST_F(Inputs, APlaceOfTheCameraBesideTheCalibrationsIsAnError) {
+// The position would be ignored otherwise.
+TEST_F(Inputs, RejectsMountPositionWithCalibrationExtrinsics) {
   config.calibration = {.path = folder.file("sensor.yaml", R"(sensor_type: camera
 camera_model: pinhole
 resolution: [1920, 1080]
@@ -123,20 +124,20 @@ T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
                         .camera = {}};
   EXPECT_EQ(error(), "accepted");
   config.mount.position_m = {0.1, 0, 0};
-  EXPECT_NE(error().find("mount.position_m: the calibration says where"), std::string::npos);
+  EXPECT_NE(error().find("mount.position_m: the calibration has extrinsics"), std::string::npos);
   config.mount.down_deg = 30;
   EXPECT_EQ(error(), "accepted");
 }
 
-TEST_F(Inputs, ABarometerIsTiedToTheInitialHeight) {
+TEST_F(Inputs, AlignsBarometerToInitialHeight) {
   config.height = {.source = HeightSource::barometer,
                    .path = folder.file("h.csv", "t [s],h\n1.4,308\n1.6,310\n")};
-  EXPECT_NE(error().find("a barometer gives changes only"), std::string::npos);
+  EXPECT_NE(error().find("a barometer measures relative height"), std::string::npos);
   config.initial.height_m = 20;
   EXPECT_NEAR(read().sensors.height_m.values[1], 21, 1e-9);
 }
 
-TEST_F(Inputs, AMaskIsBlackWhereNoWorldIsSeen) {
+TEST_F(Inputs, MaskIsBlackWhereTheSceneIsHidden) {
   EXPECT_EQ(read().mask, nullptr);
   cv::Mat mask(1080, 1920, CV_8UC3, cv::Scalar::all(255));
   mask.rowRange(0, 270) = cv::Scalar::all(0);
@@ -147,42 +148,42 @@ TEST_F(Inputs, AMaskIsBlackWhereNoWorldIsSeen) {
     return error();
   };
   EXPECT_EQ(error_with(mask), "accepted");
-  EXPECT_DOUBLE_EQ(read().mask->hidden_ratio(), 0.25);
-  EXPECT_EQ(read().mask->hidden_ratio(960, 100, 10, 10), 1);
-  EXPECT_NE(error_with(mask.rowRange(0, 1000)).find("is 1920x1000, the images are 1920x1080"),
+  EXPECT_DOUBLE_EQ(read().mask->masked_ratio(), 0.25);
+  EXPECT_EQ(read().mask->masked_ratio(960, 100, 10, 10), 1);
+  EXPECT_NE(error_with(mask.rowRange(0, 1000)).find("is 1920x1000, but the images are 1920x1080"),
             std::string::npos);
-  EXPECT_NE(error_with(0 * mask).find("is black all over"), std::string::npos);
+  EXPECT_NE(error_with(0 * mask).find("is entirely black"), std::string::npos);
   std::filesystem::remove(file);
-  EXPECT_NE(error().find("is missing or no image"), std::string::npos);
+  EXPECT_NE(error().find("is missing or not an image"), std::string::npos);
 }
 
-TEST_F(Inputs, MessagesNameWhatToMend) {
+TEST_F(Inputs, ErrorsNameKeyAndRemedy) {
   first.grey = cv::Mat(480, 640, CV_8UC1);
   config.source.path = "v.mp4";
   EXPECT_EQ(error(),
-            "calibration.camera: is a calibration for images of 1920x1080, those of v.mp4 are "
-            "640x480; give the one of this resolution");
+            "calibration.camera: calibration of 1920x1080 images, but v.mp4 has 640x480; give the "
+            "calibration of this resolution");
   config.calibration.path = "c.yaml";
-  EXPECT_EQ(error(), "calibration.path and calibration.camera are both given; keep one");
+  EXPECT_EQ(error(), "calibration.path and calibration.camera are both set; keep one");
   config.calibration = {};
-  EXPECT_EQ(error(),
-            "v.mp4: comes without a calibration; give calibration.path or calibration.camera");
+  EXPECT_EQ(error(), "v.mp4: no calibration found; set calibration.path or calibration.camera");
   config.calibration.camera =
       CameraConfig{.width_px = 640, .height_px = 480, .centre_x_px = 320, .centre_y_px = 240};
   config.gyro.path = config.imu.path = folder.file("imu.csv", "1,0,0,0,0,0,9.8\n");
-  EXPECT_EQ(error(), "gyro.path and imu.path: give one; imu.path has the angular rates too");
+  EXPECT_EQ(error(),
+            "gyro.path and imu.path are both set; keep one (imu.path includes the angular rates)");
   config.gyro = config.imu = {};
   config.height.source = HeightSource::range;
-  EXPECT_NE(error().find("height.source and height.path belong together"), std::string::npos);
+  EXPECT_NE(error().find("height.source and height.path: set both or neither"), std::string::npos);
   config.height.path = folder.file("range.csv", "1000000000,0\n2000000000,-1\n");
-  EXPECT_EQ(error(), "range.csv: tells no distance above 0");
+  EXPECT_EQ(error(), "range.csv: no distance above 0");
   config.height = {};
   config.truth.path = folder.file("t.tum", "1 0 0 -3 0 0 0 1\n2 2 4 -3 0 0 0 1\n");
   config.initial.from_truth = true;
-  EXPECT_NE(error().find("the camera starts at the height -3.000 m"), std::string::npos);
+  EXPECT_NE(error().find("initial camera height -3.000 m"), std::string::npos);
 }
 
-TEST_F(Inputs, WithoutAnEchoARangeFinderTellsNothing) {
+TEST_F(Inputs, RemovesRangesWithoutEcho) {
   config.height.source = HeightSource::range;
   config.height.path =
       folder.file("range.csv", "1000000000,20\n1100000000,0\n1200000000,-1\n1300000000,20\n");

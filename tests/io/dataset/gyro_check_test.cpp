@@ -22,18 +22,18 @@ Vector3d rate_rad_s(double t_s) {
 
 struct Flight {
   TimeSeries<Vector3d> gyro;
-  std::vector<SeenTurn> seen;
+  std::vector<ObservedRotation> observed;
 };
 
-std::string doubt(const Flight& flight) {
-  return doubt_of_gyro(flight.gyro, flight.seen).value_or("");
+std::string message(const Flight& flight) {
+  return gyro_inconsistency(flight.gyro, flight.observed).value_or("");
 }
 
-bool tells(const Flight& flight, std::string_view what) {
-  return doubt(flight).find(what) != std::string::npos;
+bool mentions(const Flight& flight, std::string_view text) {
+  return message(flight).find(text) != std::string::npos;
 }
 
-// Ten seconds; images err by 1 mrad a frame.
+// 10 s; image noise of 1 mrad per frame and axis.
 Flight flight(double gyro_starts_s = 0) {
   std::mt19937 random(1);
   std::normal_distribution<double> error(0, 1e-3);
@@ -43,60 +43,61 @@ Flight flight(double gyro_starts_s = 0) {
     out.gyro.values.push_back(rate_rad_s(0.005 * i - 0.0025));
   }
   for (int i = 1; i < 250; ++i) {
-    out.seen.push_back({from_seconds(0.04 * i - 0.04), from_seconds(0.04 * i),
-                        0.04 * rate_rad_s(0.04 * i - 0.02) +
-                            Vector3d(error(random), error(random), error(random))});
+    out.observed.push_back({from_seconds(0.04 * i - 0.04), from_seconds(0.04 * i),
+                            0.04 * rate_rad_s(0.04 * i - 0.02) +
+                                Vector3d(error(random), error(random), error(random))});
   }
   return out;
 }
 
-TEST(GyroCheck, NothingIsSaidWhereBothTurnAlike) {
+TEST(GyroCheck, AcceptsConsistentRotations) {
   const Flight f = flight();
-  EXPECT_EQ(doubt(f), "");
+  EXPECT_EQ(message(f), "");
 }
 
-TEST(GyroCheck, DegreesAreTold) {
+TEST(GyroCheck, DetectsDegreesInsteadOfRadians) {
   Flight f = flight();
   for (Vector3d& rate : f.gyro.values) rate /= kDegree;
-  EXPECT_TRUE(tells(f, "taken for deg/s")) << doubt(f);
+  EXPECT_TRUE(mentions(f, "deg/s instead of rad/s")) << message(f);
 }
 
-TEST(GyroCheck, OtherAxesAreTold) {
+TEST(GyroCheck, DetectsRotatedAndInvertedAxes) {
   Flight f = flight();
-  const Eigen::Quaterniond turn = so3_exp({0, 0, -90 * kDegree});
-  for (Vector3d& rate : f.gyro.values) rate = turn * rate;
-  EXPECT_TRUE(tells(f, "turned by 90 deg about (")) << doubt(f);
-  for (Vector3d& rate : f.gyro.values) rate = -(turn.conjugate() * rate);
-  EXPECT_TRUE(tells(f, "signs")) << doubt(f);
+  const Eigen::Quaterniond rotation = so3_exp({0, 0, -90 * kDegree});
+  for (Vector3d& rate : f.gyro.values) rate = rotation * rate;
+  EXPECT_TRUE(mentions(f, "rotated by 90 deg about (")) << message(f);
+  for (Vector3d& rate : f.gyro.values) rate = -(rotation.conjugate() * rate);
+  EXPECT_TRUE(mentions(f, "inverted")) << message(f);
 }
 
-TEST(GyroCheck, AnotherClockIsTold) {
+TEST(GyroCheck, DetectsClockOffset) {
   const Flight ahead = flight(0.8);
-  EXPECT_TRUE(tells(ahead, "0.80 s ahead")) << doubt(ahead);
+  EXPECT_TRUE(mentions(ahead, "0.80 s ahead")) << message(ahead);
   const Flight behind = flight(-0.8);
-  EXPECT_TRUE(tells(behind, "0.80 s behind")) << doubt(behind);
+  EXPECT_TRUE(mentions(behind, "0.80 s behind")) << message(behind);
 }
 
-TEST(GyroCheck, AGyroscopeThatTellsNothingIsTold) {
+TEST(GyroCheck, DetectsGyroscopeWithoutSignal) {
   Flight f = flight();
   for (Vector3d& rate : f.gyro.values) rate.setConstant(1e-4);
-  EXPECT_TRUE(tells(f, "tells nothing")) << doubt(f);
+  EXPECT_TRUE(mentions(f, "measures no rotation")) << message(f);
 }
 
-TEST(GyroCheck, NothingIsSaidOfWhatHardlyTurns) {
+TEST(GyroCheck, IgnoresSmallRotations) {
   Flight f = flight();
-  for (SeenTurn& turn : f.seen) turn.in_body_rad *= 0.05;
+  for (ObservedRotation& rotation : f.observed) rotation.rotation_in_body_rad *= 0.05;
   for (Vector3d& rate : f.gyro.values) rate *= -0.05;
-  EXPECT_EQ(doubt(f), "");
+  EXPECT_EQ(message(f), "");
 }
 
-// Nor where the images turn anyhow.
-TEST(GyroCheck, NothingIsSaidOfWhatNothingExplains) {
+// Image rotations are noise.
+TEST(GyroCheck, ReportsNothingWithoutAnExplanation) {
   Flight f = flight();
   std::mt19937 random(1);
-  std::normal_distribution<double> any(0, 0.02);
-  for (SeenTurn& turn : f.seen) turn.in_body_rad = {any(random), any(random), any(random)};
-  EXPECT_EQ(doubt(f), "");
+  std::normal_distribution<double> noise(0, 0.02);
+  for (ObservedRotation& rotation : f.observed)
+    rotation.rotation_in_body_rad = {noise(random), noise(random), noise(random)};
+  EXPECT_EQ(message(f), "");
 }
 
 }  // namespace

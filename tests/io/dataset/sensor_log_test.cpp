@@ -14,7 +14,7 @@ Timestamp at_s(double t_s) {
   return from_seconds(t_s);
 }
 
-TEST(SensorLog, HeightIsInterpolatedAndUnknownOutside) {
+TEST(SensorLog, InterpolatesHeightWithinTheLogOnly) {
   const SensorLog log{
       .height_m = {.stamps = {at_s(1.0), at_s(1.2), at_s(3.0)}, .values = {10, 12, 30}}};
   const auto height = [&](double t_s) {
@@ -26,14 +26,14 @@ TEST(SensorLog, HeightIsInterpolatedAndUnknownOutside) {
   EXPECT_FALSE(height(0.99).has_value());
   EXPECT_FALSE(height(3.06).has_value());
   EXPECT_FALSE(height(2.0).has_value());  // in a gap of 1.8 s
-  // a reading counts once: between 1.0 and 1.2 there is no new one
+  // each reading is used once: none is new between 1.0 and 1.1
   EXPECT_FALSE(readings_between(log, at_s(1.0), at_s(1.1)).height_m.has_value());
   EXPECT_DOUBLE_EQ(*readings_between(log, at_s(0.9), at_s(1.1)).height_m, 11);
   EXPECT_FALSE(readings_between({}, at_s(0), at_s(1)).height_m.has_value());
 }
 
-// One reading a second: too far apart to draw a line, each still counts.
-TEST(SensorLog, ReadingOfASlowSensorCountsWhileItIsFresh) {
+// At 1 Hz readings are not interpolated.
+TEST(SensorLog, HoldsReadingsOfASlowSensorForMaxAge) {
   const SensorLog log{.height_m = {.stamps = {at_s(1), at_s(2), at_s(3)}, .values = {10, 12, 30}}};
   const auto height = [&](double before_s, double now_s) {
     return readings_between(log, at_s(before_s), at_s(now_s)).height_m;
@@ -44,8 +44,7 @@ TEST(SensorLog, ReadingOfASlowSensorCountsWhileItIsFresh) {
   EXPECT_EQ(height(2.97, 3.01), 30);
 }
 
-// The mean of a line over any interval is its value in the middle.
-TEST(SensorLog, MeanRateOfALinearRateIsItsMiddle) {
+TEST(SensorLog, MeanOfALinearRateIsItsMidpointValue) {
   SensorLog log;
   auto& gyro = log.angular_rate_in_body_rad_s;
   for (int i = 0; i <= 100; ++i) {
@@ -63,8 +62,8 @@ TEST(SensorLog, MeanRateOfALinearRateIsItsMiddle) {
   EXPECT_FALSE(readings_between(log, at_s(0.4), at_s(0.4)).mean_angular_rate_in_body_rad_s);
 }
 
-// Of a line each piece's mean is its middle: together they are the integral, cut at the frames.
-TEST(SensorLog, ImuReadingsCoverTheTimeBetweenFramesAndNoMore) {
+// For a linear signal each mean is the midpoint value.
+TEST(SensorLog, ImuReadingsCoverExactlyTheFrameInterval) {
   SensorLog log;
   for (int i = 0; i <= 20; ++i) {
     const double t_s = 0.01 * i;
@@ -83,13 +82,13 @@ TEST(SensorLog, ImuReadingsCoverTheTimeBetweenFramesAndNoMore) {
     from_s = to_s;
   }
   EXPECT_EQ(readings.back().stamp, at_s(0.052));
-  EXPECT_EQ(readings_between(log, at_s(0.195), at_s(0.3)).inertial.size(), 1u) << "the log ends";
+  EXPECT_EQ(readings_between(log, at_s(0.195), at_s(0.3)).inertial.size(), 1u) << "end of the log";
   EXPECT_TRUE(readings_between(log, at_s(0.1), at_s(0.1)).inertial.empty());
   log.imu.stamps.back() = at_s(2);
-  EXPECT_TRUE(readings_between(log, at_s(1), at_s(1.1)).inertial.empty()) << "a gap";
+  EXPECT_TRUE(readings_between(log, at_s(1), at_s(1.1)).inertial.empty()) << "gap";
 }
 
-TEST(SensorLog, AttitudeTurnsAtAConstantRateBetweenReadings) {
+TEST(SensorLog, InterpolatesAttitudeAtConstantRate) {
   const SensorLog log{
       .attitude = {.stamps = {at_s(0), at_s(0.4)},
                    .values = {Eigen::Quaterniond::Identity(), so3_exp({0, 0, 1.2})}}};
@@ -118,62 +117,64 @@ TEST(SensorLog, ReadsEveryKindOfFile) {
   const auto both = read_accelerations(folder.file("a.csv", "1,1,2,3,4,5,6\n"));
   EXPECT_EQ(both.values[0], (Vector6d() << 1, 2, 3, 4, 5, 6).finished());
   EXPECT_EQ(input_error_of(folder, [&] { (void)read_heights(folder.file("h.csv", "t,h\n")); }),
-            "h.csv: has no row of data");
+            "h.csv: no data row");
 }
 
-TEST(SensorLog, ReadingsOfAnImuThatLeapAreLeftOut) {
-  const Vector6d held = (Vector6d() << 0, 0, 0, 0, 0, 9.8).finished();
+TEST(SensorLog, RejectsImuSpikesAndZeroRows) {
+  const Vector6d at_rest = (Vector6d() << 0, 0, 0, 0, 0, 9.8).finished();
   TimeSeries<Vector6d> imu;
   for (int i = 0; i < 10; ++i) {
     imu.stamps.push_back(at_s(0.01 * i));
-    imu.values.push_back(held);
+    imu.values.push_back(at_rest);
   }
   imu.values[2][0] = 35;
   imu.values[4].setZero();
   imu.values[6][5] = 160;
-  imu.values[9][5] = 160;  // what comes after it nobody knows
-  const TimeSeries<Vector6d> left = without_leaps(imu);
-  EXPECT_EQ(left.stamps, (std::vector{at_s(0), at_s(0.01), at_s(0.03), at_s(0.05), at_s(0.07),
-                                      at_s(0.08), at_s(0.09)}));
-  EXPECT_EQ(left.values[2], held);
+  imu.values[9][5] = 160;  // last reading: no second neighbour
+  const TimeSeries<Vector6d> valid = reject_imu_outliers(imu);
+  EXPECT_EQ(valid.stamps, (std::vector{at_s(0), at_s(0.01), at_s(0.03), at_s(0.05), at_s(0.07),
+                                       at_s(0.08), at_s(0.09)}));
+  EXPECT_EQ(valid.values[2], at_rest);
 }
 
-TEST(SensorLog, AnAccelerationIsNoAngularRate) {
+TEST(SensorLog, RejectsAngularRateInAccelerationColumn) {
   const TemporaryFolder folder;
   const auto file = folder.file("a.csv", "timestamp [ns],wx,wy,wz,ax,ay,az\n1,0,0,0,0,0,9.8\n");
   EXPECT_EQ(input_error_of(folder, [&] { (void)read_accelerations(file); }),
-            "a.csv:2: column 'wx' is an angular rate; accelerations come first: ax, ay, az");
+            "a.csv:2: column 'wx' is an angular rate; column order: ax, ay, az [, angular "
+            "acceleration]");
 }
 
-TEST(SensorLog, WhatNoGyroscopeTellsIsAnError) {
+TEST(SensorLog, RejectsImplausibleImuReadings) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& text) {
     const std::filesystem::path file = folder.file("imu.csv", text);
     return input_error_of(folder, [&] { (void)read_imu(file); });
   };
   EXPECT_EQ(error("1,0,0,0,0,0,9.8\n2,0,1e160,0,0,0,9.8\n"),
-            "imu.csv:2: column 3: 1e160 is out of range, allowed is [-100, 100]");
+            "imu.csv:2: column 3: 1e160 is out of range, allowed: [-100, 100]");
   EXPECT_NE(error("1,0,0,0,0,0,1e5\n").find("out of range"), std::string::npos);
   for (const char* name : {"ax", "acc_x", "a_RS_S_x", "linear_acceleration.x"}) {
     EXPECT_NE(error(std::string("timestamp [ns],") + name + ",b,c,d,e,f\n1,0,0,9.8,0,0,0\n")
-                  .find("stands where an angular rate must"),
+                  .find("must be an angular rate"),
               std::string::npos)
         << name;
   }
   EXPECT_EQ(error("timestamp [ns],angular_velocity.x,y,z,ax,ay,az\n1,0,0,0,0,0,9.8\n"), "accepted");
 }
 
-TEST(SensorLog, OtherUnitsAreRefusedByTheColumnsNames) {
+TEST(SensorLog, RejectsOtherUnitsInColumnNames) {
   const TemporaryFolder folder;
   const auto of_heights = [&](const std::string& names) {
     const auto file = folder.file("h.csv", "#recorded [ft], by boat\n" + names + "\n1,2\n");
     return input_error_of(folder, [&] { (void)read_heights(file); });
   };
   EXPECT_EQ(of_heights("t,height [cm]"),
-            "h.csv:2: column 'height [cm]' must be in m: convert it, or put the columns in order");
-  EXPECT_EQ(of_heights("time_us,h"),
-            "h.csv:2: column 'time_us': stamps are nanoseconds, or what the name ends in of [s], "
-            "[ms] and [us]");
+            "h.csv:2: column 'height [cm]' must be in m; convert it or reorder the columns");
+  EXPECT_EQ(
+      of_heights("time_us,h"),
+      "h.csv:2: column 'time_us': time stamps must be nanoseconds, or have the unit [s], [ms] "
+      "or [us] in the name");
   for (const char* name :
        {"h [mm]", "h (ft)", "range_cm", "p [Pa]", "p_hPa", "h [m/s]", "h [KM]"}) {
     EXPECT_NE(of_heights(std::string("t,") + name), "accepted") << name;

@@ -24,10 +24,10 @@ TEST(TrajectoryFile, TumReadsBackExactly) {
         angle_between_rad(read[i].world_from_body.rotation, poses[i].world_from_body.rotation),
         1e-15);
   }
-  EXPECT_EQ(read_trajectory(folder.path()).size(), poses.size());  // as a run's output folder
+  EXPECT_EQ(read_trajectory(folder.path()).size(), poses.size());  // output folder of a run
 }
 
-TEST(TrajectoryFile, EurocAndTumNameTheSamePose) {
+TEST(TrajectoryFile, EurocAndTumGiveEqualPoses) {
   const TemporaryFolder folder;
   const auto euroc = read_trajectory(folder.file(
       "euroc/data.csv",
@@ -41,18 +41,18 @@ TEST(TrajectoryFile, EurocAndTumNameTheSamePose) {
   EXPECT_EQ(euroc[0].world_from_body.rotation.w(), 0.5);
 }
 
-// The truth would be judged against itself.
-TEST(TrajectoryFile, ATruthBesideARunsTrajectoryIsToBeNamed) {
+// An estimate could be evaluated against itself.
+TEST(TrajectoryFile, RejectsFolderWithTruthAndTrajectory) {
   const TemporaryFolder folder;
   folder.write("flight/state_groundtruth_estimate0/data.csv", "1500000000,1,2,3,1,0,0,0\n");
   EXPECT_TRUE(find_trajectory(folder.path() / "flight").has_value());
   folder.write("flight/trajectory.tum", "1.5 1 2 3 0 0 0 1\n");
   EXPECT_EQ(input_error_of(folder, [&] { (void)find_trajectory(folder.path() / "flight"); }),
-            "flight: holds a truth (state_groundtruth_estimate0/data.csv) and a run's "
-            "trajectory.tum; name one file");
+            "flight: contains both a truth (state_groundtruth_estimate0/data.csv) and a run's "
+            "trajectory.tum; give the file");
 }
 
-TEST(TrajectoryFile, AFolderWithoutDataHasNoTruth) {
+TEST(TrajectoryFile, FolderWithoutDataHasNoTrajectory) {
   const TemporaryFolder folder;
   folder.write("truth/sensor.yaml", "comment: none\n");
   EXPECT_FALSE(find_trajectory(folder.path() / "truth").has_value());
@@ -60,19 +60,19 @@ TEST(TrajectoryFile, AFolderWithoutDataHasNoTruth) {
   EXPECT_THROW((void)read_trajectory(folder.path() / "truth"), InputError);
 }
 
-TEST(TrajectoryFile, RejectsWhatIsNoPose) {
+TEST(TrajectoryFile, RejectsInvalidPoses) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& text) {
     return input_error_of(folder, [&] { (void)read_trajectory(folder.file("a.tum", text)); });
   };
-  EXPECT_EQ(error("0 1 2 3 0 0 0 2\n"), "a.tum:1: the quaternion's length is 2, it must be 1");
+  EXPECT_EQ(error("0 1 2 3 0 0 0 2\n"), "a.tum:1: the quaternion norm is 2, must be 1");
   EXPECT_EQ(error("0 1 2 3 0 0 0\n"),
-            "a.tum:1: 7 columns, at least 8 separated by blanks are needed");
-  EXPECT_EQ(error("# only a comment\n"), "a.tum: has no row of data");
+            "a.tum:1: 7 columns, expected at least 8 separated by blanks");
+  EXPECT_EQ(error("# only a comment\n"), "a.tum: no data row");
   EXPECT_EQ(error("0 nan 2 3 0 0 0 1\n"), "a.tum:1: column 2: 'nan' is not a finite number");
 }
 
-TEST(TrajectoryFile, ReadsTwistsOfTheCamera) {
+TEST(TrajectoryFile, ReadsCameraTwists) {
   const TemporaryFolder folder;
   const auto twists =
       read_twists(folder.file("velocity.csv", "#timestamp [ns],v,,,w,,\n7,1,2,3,4,5,6\n"));

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(OutputFile, AppearsWholeOrNotAtAll) {
+TEST(OutputFile, AppearsCompleteOrNotAtAll) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "a.txt";
   {
@@ -38,8 +38,8 @@ TEST(OutputFile, AppearsWholeOrNotAtAll) {
   EXPECT_EQ(read_text_file(file), "new");
 }
 
-// A limit on file sizes stands for a full disk.
-TEST(OutputFile, AFullDiskIsSaid) {
+// RLIMIT_FSIZE simulates a full disk.
+TEST(OutputFile, ReportsAFullDiskAndKeepsCompleteLines) {
   const TemporaryFolder folder;
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
@@ -60,8 +60,8 @@ TEST(OutputFile, AFullDiskIsSaid) {
   EXPECT_EQ(read_text_file(folder.path() / "a.txt"), "a line\n");
 }
 
-// The second file is one that cannot be made.
-TEST(OutputFile, FilesThatBelongTogetherAppearTogether) {
+// The second file of the first call cannot be created.
+TEST(OutputFile, WritesSeveralFilesTogetherOrNone) {
   const TemporaryFolder folder;
   folder.write("a.txt", "old");
   EXPECT_THROW(write_files(folder.path(), {{"a.txt", "new"}, {"none/b.txt", "new"}}), InputError);
@@ -71,7 +71,7 @@ TEST(OutputFile, FilesThatBelongTogetherAppearTogether) {
   EXPECT_EQ(read_text_file(folder.path() / "b.txt"), "new");
 }
 
-TEST(OutputFile, TwoWritersOfOneNameDoNotMix) {
+TEST(OutputFile, SimultaneousWritersDoNotMix) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "a.txt";
   OutputFile first(file);
@@ -85,7 +85,7 @@ TEST(OutputFile, TwoWritersOfOneNameDoNotMix) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(OutputFile, WhatAKilledRunLeftIsCleared) {
+TEST(OutputFile, RemovesPartFilesOfKilledProcesses) {
   const TemporaryFolder folder;
   const OutputFile alive(folder.path() / "a.txt");
   for (const char* name : {"a.txt.part", "a.txt.17.part", "a.txt.old.part", "b.txt.17.part"}) {
@@ -100,7 +100,7 @@ TEST(OutputFile, WhatAKilledRunLeftIsCleared) {
                                           "a.txt.old.part", "b.txt.17.part"}));
 }
 
-TEST(OutputFile, FoldersThatCannotBeUsedAreRejectedFirst) {
+TEST(OutputFile, RejectsUnusableOutputFolders) {
   const TemporaryFolder folder;
   prepare_output_folder(folder.path() / "a/b", 1);
   EXPECT_TRUE(fs::is_empty(folder.path() / "a/b"));
@@ -110,14 +110,14 @@ TEST(OutputFile, FoldersThatCannotBeUsedAreRejectedFirst) {
   EXPECT_THROW(prepare_output_folder("/proc/stillkite", 1), InputError);
 }
 
-TEST(OutputFile, NoResultTakesThePlaceOfWhatIsRead) {
+TEST(OutputFile, ProtectsInputFilesFromResults) {
   const TemporaryFolder folder;
   const std::filesystem::path truth = folder.file("out/trajectory.tum", "1 0 0 1 0 0 0 1\n");
   const auto error = [&](const std::filesystem::path& out) {
     return input_error_of(folder, [&] { protect_inputs(out, {"trajectory.tum"}, {truth}); });
   };
   EXPECT_EQ(error(folder.path() / "out" / ".." / "out"),
-            "out/trajectory.tum: is read, and would be overwritten by the results; choose another "
+            "out/trajectory.tum: is an input file that the results would overwrite; choose another "
             "folder with --out");
   EXPECT_EQ(error(folder.path() / "elsewhere"), "accepted");
 }

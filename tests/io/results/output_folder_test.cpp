@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(OutputFolder, AppearsWithItsFilesOnCommit) {
+TEST(OutputFolder, AppearsOnCommit) {
   const TemporaryFolder folder;
   for (const char* name : {"made", "slash/"}) {
     OutputFolder out(folder.path() / name, 0);
@@ -21,7 +21,7 @@ TEST(OutputFolder, AppearsWithItsFilesOnCommit) {
   }
 }
 
-TEST(OutputFolder, LeavesNothingWithoutCommit) {
+TEST(OutputFolder, IsRemovedWithoutCommit) {
   const TemporaryFolder folder;
   {
     const OutputFolder out(folder.path() / "made", 0);
@@ -30,7 +30,7 @@ TEST(OutputFolder, LeavesNothingWithoutCommit) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-TEST(OutputFolder, FollowsALink) {
+TEST(OutputFolder, FollowsASymbolicLink) {
   const TemporaryFolder folder;
   fs::create_directories(folder.path() / "disk/flight");
   fs::create_symlink("disk/flight", folder.path() / "link");
@@ -41,15 +41,15 @@ TEST(OutputFolder, FollowsALink) {
   EXPECT_TRUE(fs::exists(folder.path() / "disk/flight/file"));
 }
 
-TEST(OutputFolder, RemovesNobodysFolder) {
+TEST(OutputFolder, KeepsAnExistingPartFolder) {
   const TemporaryFolder folder;
   const fs::path file = folder.file("flight.part/precious", "x");
   EXPECT_EQ(input_error_of(folder, [&] { OutputFolder(folder.path() / "flight", 0); }),
-            "flight.part: is there already, left by a call that was killed or yours; remove it");
+            "flight.part: already exists, possibly left by a killed run; remove it");
   EXPECT_TRUE(fs::exists(file));
 }
 
-TEST(OutputFolder, TakesAnEmptyFolderButNoOther) {
+TEST(OutputFolder, AcceptsOnlyEmptyExistingFolders) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "empty");
   OutputFolder(folder.path() / "empty", 0).commit();
@@ -57,9 +57,9 @@ TEST(OutputFolder, TakesAnEmptyFolderButNoOther) {
 
   const fs::path file = folder.file("full/precious", "x");
   EXPECT_EQ(input_error_of(folder, [&] { OutputFolder(folder.path() / "full", 0); }),
-            "full: is there already; remove it or choose another folder with --out");
+            "full: already exists; remove it or choose another folder with --out");
   EXPECT_EQ(input_error_of(folder, [&] { OutputFolder(file, 0); }),
-            "full/precious: is there already; remove it or choose another folder with --out");
+            "full/precious: already exists; remove it or choose another folder with --out");
   EXPECT_TRUE(fs::exists(file));
 }
 

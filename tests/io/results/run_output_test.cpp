@@ -27,7 +27,7 @@ NavigationEstimate sample(int i) {
   return e;
 }
 
-TEST(RunOutput, BothFilesReadBack) {
+TEST(RunOutput, EstimatesAndTrajectoryReadBack) {
   const TemporaryFolder folder;
   {
     RunRecorder recorder(folder.path());
@@ -61,7 +61,7 @@ TEST(RunOutput, BothFilesReadBack) {
   EXPECT_FALSE(table.next());
 }
 
-TEST(RunOutput, TheHeaderNamesEveryCell) {
+TEST(RunOutput, HeaderNamesEveryColumn) {
   const std::string header = estimates_csv_header();
   const std::string row = estimates_csv_row(sample(1));
   EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
@@ -69,7 +69,7 @@ TEST(RunOutput, TheHeaderNamesEveryCell) {
   EXPECT_TRUE(row.ends_with(",1,2,3,4\n"));
 }
 
-TEST(RunOutput, TheSummaryCountsAndHasNoNaN) {
+TEST(RunOutput, SummaryCountsFramesAndHasNoNaN) {
   std::vector<NavigationEstimate> estimates;
   estimates.reserve(5);
   for (int i = 0; i < 5; ++i) estimates.push_back(sample(i));
@@ -93,14 +93,14 @@ TEST(RunOutput, TheSummaryCountsAndHasNoNaN) {
   EXPECT_EQ(summary.dump().find("nan"), std::string::npos);
 }
 
-TEST(RunOutput, CommandsReadBackAndAreCounted) {
+TEST(RunOutput, CommandsAreCountedAndReadBack) {
   const TemporaryFolder folder;
   CommandRecorder recorder(folder.path());
   const HoldDecision command{.command = {0.1, -0.2, 0.3, -0.4},
                              .action = HoldAction::command,
                              .reason = HoldReason::none,
-                             .way_home_in_station_m = {1, -2, 3},
-                             .turn_home_rad = 0.5};
+                             .position_error_in_station_m = {1, -2, 3},
+                             .yaw_error_rad = 0.5};
   recorder.add({1000}, {});
   recorder.add({2000}, command);
   recorder.add({3000}, command);
@@ -126,7 +126,7 @@ TEST(RunOutput, CommandsReadBackAndAreCounted) {
   EXPECT_TRUE(run_summary({}, {}, nullptr)["commands"].is_null());
 }
 
-TEST(RunOutput, ARunOfNoFramesIsAllNull) {
+TEST(RunOutput, SummaryOfNoFramesIsNull) {
   const nlohmann::json summary = run_summary({}, {.wall_s = 0}, nullptr);
   EXPECT_TRUE(summary["final"].is_null());
   EXPECT_TRUE(summary["timing"]["frame_ms"]["median"].is_null());

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kFrames = 60;
 constexpr double kRate_hz = 30;
 
-// A flat grey that names its frame, so that order and content can be checked after compression.
+// Grey level encodes the frame index, to check order and content after compression.
 cv::Mat image(int index, cv::Size size = {160, 96}) {
   return cv::Mat(size, CV_8UC1, cv::Scalar(40 + 2 * index));
 }
@@ -31,7 +31,7 @@ fs::path write_video(const fs::path& file, int frames = kFrames, cv::Size size =
   for (int i = 0; i < frames; ++i) {
     cv::Mat bgr;
     cv::cvtColor(image(i, size), bgr, cv::COLOR_GRAY2BGR);
-    // something that does not compress, so that a cut hits an image
+    // incompressible, so that a truncation hits an image
     cv::Mat noise(size.height / 2, size.width, CV_8UC3);
     cv::RNG(static_cast<std::uint64_t>(i)).fill(noise, cv::RNG::UNIFORM, 0, 255);
     noise.copyTo(bgr.rowRange(0, size.height / 2));
@@ -51,12 +51,12 @@ std::vector<Frame> read_all(FrameSource& source) {
   return frames;
 }
 
-// Middle of the flat half; video range and compression move it a little.
+// Grey level in the uniform half of the image.
 double brightness(const Frame& frame) {
   return frame.grey.at<unsigned char>(frame.grey.rows * 3 / 4, frame.grey.cols / 2);
 }
 
-TEST(FrameSource, AVideoGivesEveryFrameWithItsStamp) {
+TEST(FrameSource, ReadsEveryVideoFrameWithItsTimeStamp) {
   const TemporaryFolder folder;
   FrameSource source({.path = write_video(folder.path() / "a.mp4")});
   EXPECT_EQ(source.expected(), kFrames);
@@ -66,16 +66,16 @@ TEST(FrameSource, AVideoGivesEveryFrameWithItsStamp) {
   for (int i = 0; i < kFrames; ++i) {
     EXPECT_EQ(frames[i].index, i);
     EXPECT_NEAR(to_seconds(frames[i].stamp), i / kRate_hz, 1e-8);
-    // grey 40 + 2 i in video range is 16 + 219/255 of it
+    // video range: 16 + 219/255 grey
     EXPECT_NEAR(brightness(frames[i]), 16 + (40 + 2 * i) * 219.0 / 255.0, 4.0) << i;
   }
   EXPECT_EQ(source.read(), kFrames);
   EXPECT_GT(source.decoding_s(), 0);
   EXPECT_EQ(source.rejected(), 0);
-  EXPECT_FALSE(source.complaint().has_value());
+  EXPECT_FALSE(source.problem().has_value());
 }
 
-TEST(FrameSource, StartAndEndCutTheSame) {
+TEST(FrameSource, ReadsFramesBetweenStartAndEnd) {
   const TemporaryFolder folder;
   const fs::path video = write_video(folder.path() / "a.mp4");
   FrameSource source({.path = video, .start_s = 0.99, .end_s = 1.51});
@@ -84,12 +84,12 @@ TEST(FrameSource, StartAndEndCutTheSame) {
   EXPECT_NEAR(to_seconds(frames[0].stamp), 1.0, 1e-8);
   EXPECT_NEAR(brightness(frames[0]), 16 + 100 * 219.0 / 255.0, 4.0);
   EXPECT_EQ(frames[0].index, 0);
-  EXPECT_FALSE(source.complaint().has_value());
+  EXPECT_FALSE(source.problem().has_value());
   EXPECT_THROW(FrameSource({.path = video, .start_s = 100}), InputError);
   EXPECT_THROW(FrameSource({.path = video, .start_s = 1, .end_s = 0.5}), InputError);
 }
 
-TEST(FrameSource, ARateReplacesTheStamps) {
+TEST(FrameSource, RateReplacesTimeStamps) {
   const TemporaryFolder folder;
   FrameSource source(
       {.path = write_video(folder.path() / "a.mp4"), .start_s = 1.0, .rate_hz = 10.0});
@@ -99,22 +99,21 @@ TEST(FrameSource, ARateReplacesTheStamps) {
   EXPECT_EQ(frames[1].stamp, from_seconds(1.1));
 }
 
-TEST(FrameSource, ATruncatedVideoGivesWhatItHasAndSaysSo) {
+TEST(FrameSource, ReadsAndReportsATruncatedVideo) {
   const TemporaryFolder folder;
-  // an AVI keeps its header in front
+  // an AVI has its header at the beginning
   const std::string whole = bytes_of(write_video(folder.path() / "a.avi"));
   const fs::path cut = folder.file("cut.avi", whole.substr(0, whole.size() * 6 / 10));
   FrameSource source({.path = cut});
   const std::size_t n = read_all(source).size();
   EXPECT_GT(n, 20u);
   EXPECT_LT(n, 50u);
-  ASSERT_TRUE(source.complaint().has_value());
-  EXPECT_NE(source.complaint()->find("cut.avi: the file is truncated: its images end at"),
-            std::string::npos)
-      << *source.complaint();
+  ASSERT_TRUE(source.problem().has_value());
+  EXPECT_NE(source.problem()->find("cut.avi: truncated file: images end at"), std::string::npos)
+      << *source.problem();
 }
 
-TEST(FrameSource, DamageInTheMiddleIsNotFatal) {
+TEST(FrameSource, SkipsAndReportsDamagedFrames) {
   const TemporaryFolder folder;
   std::string bytes = bytes_of(write_video(folder.path() / "a.avi"));
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000; ++i) bytes[i] = '\x5a';
@@ -123,16 +122,15 @@ TEST(FrameSource, DamageInTheMiddleIsNotFatal) {
   EXPECT_GT(n, 40u);
   EXPECT_LT(n, static_cast<std::size_t>(kFrames));
   EXPECT_EQ(source.read() - source.rejected(), static_cast<std::int64_t>(n));
-  ASSERT_TRUE(source.complaint());
-  EXPECT_NE(source.complaint()->find("those predicted from them are damaged, too"),
-            std::string::npos);
+  ASSERT_TRUE(source.problem());
+  EXPECT_NE(source.problem()->find("images predicted from them are damaged"), std::string::npos);
 }
 
-TEST(FrameSource, MessagesNameTheFileAndTheRemedy) {
+TEST(FrameSource, ErrorsNameFileAndRemedy) {
   const TemporaryFolder folder;
   const fs::path video = write_video(folder.path() / "v.mp4", 2);
   EXPECT_EQ(input_error_of(folder, [&] { FrameSource({.path = video, .bits = 12}); }),
-            "source.bits: a video tells by itself how bright it is");
+            "source.bits: only for 16-bit image files; remove it for a video");
   const auto error = [&](const fs::path& path) {
     return input_error_of(folder, [&] { FrameSource({.path = path}); });
   };
@@ -140,20 +138,20 @@ TEST(FrameSource, MessagesNameTheFileAndTheRemedy) {
             "none.mp4: no such file or folder; check source.path");
   EXPECT_EQ(error(folder.file("empty.mp4", "")), "empty.mp4: the file is empty");
   EXPECT_EQ(error(folder.file("text.mp4", "this is no video\n")),
-            "text.mp4: is no video file, or its beginning or its index is missing (an interrupted "
+            "text.mp4: not a video file, or its header or index is missing (interrupted "
             "recording or download)");
   const std::string mp4 = bytes_of(write_video(folder.path() / "a.mp4"));
-  EXPECT_NE(error(folder.file("cut.mp4", mp4.substr(0, mp4.size() / 2))).find("its index"),
-            std::string::npos);  // an MP4's index is at its end
+  EXPECT_NE(error(folder.file("cut.mp4", mp4.substr(0, mp4.size() / 2))).find("index is missing"),
+            std::string::npos);  // the index of an MP4 is at the end
   fs::create_directories(folder.path() / "bare");
-  EXPECT_NE(error(folder.path() / "bare").find("holds no image"), std::string::npos);
-  EXPECT_NE(error({}).find("source.path is not given"), std::string::npos);
+  EXPECT_NE(error(folder.path() / "bare").find("no image (png"), std::string::npos);
+  EXPECT_NE(error({}).find("source.path is not set"), std::string::npos);
   ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
   EXPECT_EQ(error(folder.path() / "pipe"),
-            "pipe: is a pipe or a device, a file or a folder is needed");
+            "pipe: is a pipe or a device, expected a file or a folder");
 }
 
-TEST(FrameSource, AFolderOfImagesIsReadInTheOrderOfItsNumbers) {
+TEST(FrameSource, ReadsImageFoldersInNumericOrder) {
   const TemporaryFolder folder;
   for (int i = 0; i < 12; ++i) {
     cv::imwrite((folder.path() / fmt::format("f{}.png", i)).string(), image(i));
@@ -170,7 +168,7 @@ TEST(FrameSource, AFolderOfImagesIsReadInTheOrderOfItsNumbers) {
   }
 }
 
-TEST(FrameSource, ANumberThatIsLeftOutIsAImageThatIsMissing) {
+TEST(FrameSource, TreatsSkippedNumbersAsMissingImages) {
   const auto stamps_s = [](const std::vector<std::string>& names) {
     const TemporaryFolder folder;
     for (const std::string& name : names) cv::imwrite((folder.path() / name).string(), image(0));
@@ -187,8 +185,8 @@ TEST(FrameSource, ANumberThatIsLeftOutIsAImageThatIsMissing) {
   EXPECT_EQ(stamps_s({"1.png", "2.png", "999999999999999999.png"}), (std::vector<double>{0, 1, 2}));
 }
 
-// Most cameras of more than 8 bits fill but the lowest 10, 12 or 14 of 16.
-TEST(FrameSource, ImagesOf16BitsAreReadByTheBitsThatTheyUse) {
+// Most 16-bit image files use the lowest 10, 12 or 14 bits only.
+TEST(FrameSource, ScalesImagesOf16BitsByTheirSignificantBits) {
   const TemporaryFolder folder;
   for (int i = 0; i < 3; ++i) {
     cv::Mat deep(96, 160, CV_16UC1, cv::Scalar(16 * (100 + i)));
@@ -204,14 +202,14 @@ TEST(FrameSource, ImagesOf16BitsAreReadByTheBitsThatTheyUse) {
     EXPECT_EQ(frame.grey.at<unsigned char>(50, 50), 100 + i);
     EXPECT_EQ(frame.grey.at<unsigned char>(0, 0), 255);
   }
-  EXPECT_EQ(
-      input_error_of(folder, [&] { FrameSource({.path = folder.path(), .rate_hz = 20}); }),
-      "0.png: of 16 bits a pixel, but none is brighter than 4095; give the bits that the camera "
-      "uses as source.bits (12, or 16 if the scene is as dark as that)");
+  EXPECT_EQ(input_error_of(folder, [&] { FrameSource({.path = folder.path(), .rate_hz = 20}); }),
+            "0.png: 16-bit image with a maximum value of 4095; set source.bits to the significant "
+            "bits of "
+            "the camera (12, or 16 for a dark scene)");
   cv::imwrite((folder.path() / "8.bmp").string(), image(0));
   const SourceConfig late{.path = folder.path(), .start_s = 0.14, .rate_hz = 20, .bits = 12};
   EXPECT_EQ(input_error_of(folder, [&] { FrameSource{late}; }),
-            "8.bmp: of 8 bits a pixel; source.bits is for images of 16");
+            "8.bmp: 8-bit image; source.bits is only for 16-bit images");
   FrameSource all({.path = folder.path(), .rate_hz = 20, .bits = 16});
   EXPECT_EQ(read_all(all).front().grey.at<unsigned char>(50, 50), 6);
 }
@@ -226,7 +224,7 @@ class EurocSource : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(EurocSource, GivesItsOwnStampsFromAnyOfItsFolders) {
+TEST_F(EurocSource, ReadsTimeStampsFromAnyFolderLevel) {
   write("#timestamp [ns],filename\n1403715273262142976,a.png\n1403715273312143104,b.png\n");
   write_image("a.png", image(1));
   cv::Mat colour;
@@ -242,7 +240,7 @@ TEST_F(EurocSource, GivesItsOwnStampsFromAnyOfItsFolders) {
   }
 }
 
-TEST_F(EurocSource, MessagesNameFileAndLine) {
+TEST_F(EurocSource, ErrorsNameFileAndLine) {
   const auto error = [&](const std::string& csv) {
     write(csv);
     return input_error_of(folder_, [&] {
@@ -254,22 +252,24 @@ TEST_F(EurocSource, MessagesNameFileAndLine) {
   write_image("b.png", image(2));
   write_image("small.png", image(3, {80, 48}));
   EXPECT_EQ(error("1,a.png\n2,c.png\n"),
-            "mav0/cam0/data.csv:2: the image mav0/cam0/data/c.png is not there");
+            "mav0/cam0/data.csv:2: the image mav0/cam0/data/c.png is missing");
   EXPECT_EQ(
       error("2,a.png\n1,b.png\n"),
-      "mav0/cam0/data.csv:2: stamp 1 is before that of line 1; sort the file and drop repeats");
+      "mav0/cam0/data.csv:2: time stamp 1 is earlier than that of line 1; sort the file and remove "
+      "duplicates");
   EXPECT_EQ(error("2,a.png\n2,b.png\n"),
-            "mav0/cam0/data.csv:2: stamp 2 repeats that of line 1; sort the file and drop repeats");
-  EXPECT_EQ(error("#t,name\n"), "mav0/cam0/data.csv: lists no image");
+            "mav0/cam0/data.csv:2: time stamp 2 repeats that of line 1; sort the file and remove "
+            "duplicates");
+  EXPECT_EQ(error("#t,name\n"), "mav0/cam0/data.csv: no image listed");
   EXPECT_EQ(error("1000000,a.png\n1033333,b.png\n"),
-            "mav0/cam0/data.csv: the images are 0.0333 ms apart; its stamps are to be "
-            "nanoseconds, are they microseconds?");
+            "mav0/cam0/data.csv: the images are 0.0333 ms apart; time stamps must be "
+            "nanoseconds, not microseconds");
   EXPECT_EQ(error("1000000000,a.png\n2000000000,small.png\n"),
-            "mav0/cam0/data/small.png: is 80x48, the images before are 160x96; one calibration "
-            "cannot serve both");
+            "mav0/cam0/data/small.png: image size 80x48 differs from 160x96 before; one "
+            "calibration needs one size");
 }
 
-TEST_F(EurocSource, AImageThatCannotBeDecodedIsCounted) {
+TEST_F(EurocSource, CountsUndecodableImages) {
   write("1000000000,a.png\n2000000000,bad.png\n3000000000,b.png\n");
   write_image("a.png", image(1));
   write_image("b.png", image(2));
@@ -280,10 +280,10 @@ TEST_F(EurocSource, AImageThatCannotBeDecodedIsCounted) {
   EXPECT_EQ(frames[1].index, 2);
   EXPECT_EQ(source.read(), 3);
   EXPECT_EQ(source.rejected(), 1);
-  EXPECT_NE(source.complaint().value_or("").find("1 of "), std::string::npos);
+  EXPECT_NE(source.problem().value_or("").find("1 of "), std::string::npos);
 }
 
-TEST(FrameSource, BuffersAreUsedAgainAndNeverWhileHeld) {
+TEST(FrameSource, ReusesOnlyReleasedBuffers) {
   const TemporaryFolder folder;
   FrameSource source({.path = write_video(folder.path() / "a.mp4")});
   std::vector<const unsigned char*> buffers;
@@ -302,7 +302,7 @@ TEST(FrameSource, BuffersAreUsedAgainAndNeverWhileHeld) {
   EXPECT_LE(buffers.size(), 10u);
 }
 
-TEST(FrameSource, CanBeLeftHalfRead) {
+TEST(FrameSource, CanBeDestroyedBeforeTheEnd) {
   const TemporaryFolder folder;
   const fs::path video = write_video(folder.path() / "a.mp4");
   for (int i = 0; i < 20; ++i) {

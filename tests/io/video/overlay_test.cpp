@@ -18,7 +18,7 @@ const Camera kCamera{.width_px = 640,
                      .centre_x_px = 320,
                      .centre_y_px = 235};
 
-/// Looks along the world's x axis, pitched down by `down_rad`, then rolled about its own axis.
+/// Camera along the world's x axis, pitched down by `down_rad`, then rolled about the optical axis.
 Eigen::Quaterniond forward(double down_rad, double roll_rad = 0) {
   Eigen::Matrix3d R;  // columns: right, down, forward
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -27,7 +27,7 @@ Eigen::Quaterniond forward(double down_rad, double roll_rad = 0) {
 
 const Eigen::Quaterniond kNadir(0, 1, 0, 0);
 
-TEST(HorizonPixels, of_a_level_camera_are_the_row_of_the_principal_point) {
+TEST(HorizonPixels, LieInPrincipalPointRowForLevelCamera) {
   const auto pixels = horizon_pixels(kCamera, forward(0));
   ASSERT_GT(pixels.size(), 10U);
   EXPECT_LT(pixels.front().x(), 20);
@@ -35,39 +35,39 @@ TEST(HorizonPixels, of_a_level_camera_are_the_row_of_the_principal_point) {
   for (const auto& pixel : pixels) EXPECT_NEAR(pixel.y(), 235, 1e-9);
 }
 
-TEST(HorizonPixels, rise_by_the_tangent_when_the_camera_looks_down) {
+TEST(HorizonPixels, RiseByTangentOfCameraPitch) {
   for (const auto& pixel : horizon_pixels(kCamera, forward(0.2))) {
     EXPECT_NEAR(pixel.y(), 235 - 510 * std::tan(0.2), 1e-9);
   }
 }
 
-TEST(HorizonPixels, slope_against_the_roll) {
+TEST(HorizonPixels, SlopeIsMinusTangentOfCameraRoll) {
   const auto pixels = horizon_pixels(kCamera, forward(0, 0.3));
   ASSERT_GT(pixels.size(), 2U);
   const Eigen::Vector2d run = pixels.back() - pixels.front();
   EXPECT_NEAR(run.y() / 510 / (run.x() / 500), std::tan(-0.3), 1e-9);
 }
 
-TEST(HorizonPixels, are_none_when_it_is_out_of_the_image) {
+TEST(HorizonPixels, AreEmptyForHorizonOutsideImage) {
   EXPECT_TRUE(horizon_pixels(kCamera, kNadir).empty());
   EXPECT_TRUE(horizon_pixels(kCamera, forward(0.6)).empty());
 }
 
-// A strong barrel lens: its polynomial folds far points back into the image.
-TEST(HorizonPixels, do_not_come_from_where_the_lens_model_fails) {
+// Strong barrel distortion: the polynomial folds distant points back into the image.
+TEST(HorizonPixels, ExcludePointsOutsideValidRangeOfDistortion) {
   Camera camera = kCamera;
   camera.distortion = DistortionModel::radial_tangential;
   camera.coefficients = {-0.4733, 0.221};
   EXPECT_TRUE(horizon_pixels(camera, forward(1.2)).empty());
 }
 
-TEST(DirectionPixel, of_the_optical_axis_is_the_principal_point) {
+TEST(DirectionPixel, OpticalAxisMapsToPrincipalPoint) {
   const auto pixel = direction_pixel(kCamera, {0, 0, 3});
   ASSERT_TRUE(pixel);
   EXPECT_NEAR((*pixel - Eigen::Vector2d(320, 235)).norm(), 0, 1e-9);
 }
 
-TEST(DirectionPixel, of_the_nadir_moves_with_the_tilt) {
+TEST(DirectionPixel, NadirMovesByTangentOfTilt) {
   const Eigen::Quaterniond tilted = kNadir * so3_exp({0.1, 0, 0});
   const auto pixel = direction_pixel(kCamera, -(tilted.conjugate() * Eigen::Vector3d::UnitZ()));
   ASSERT_TRUE(pixel);
@@ -75,13 +75,13 @@ TEST(DirectionPixel, of_the_nadir_moves_with_the_tilt) {
   EXPECT_NEAR(pixel->y() - 235, 510 * std::tan(0.1), 1e-9);
 }
 
-TEST(DirectionPixel, is_none_behind_beside_and_nowhere) {
+TEST(DirectionPixel, IsNulloptOutsideImageAndForZeroVector) {
   EXPECT_FALSE(direction_pixel(kCamera, {0, 0, -1}));
   EXPECT_FALSE(direction_pixel(kCamera, {1, 0, 0.1}));
   EXPECT_FALSE(direction_pixel(kCamera, {0, 0, 0}));
 }
 
-TEST(Overlay, enlarges_small_frames_and_is_even) {
+TEST(Overlay, EnlargesSmallFramesToEvenSize) {
   Camera odd = kCamera;
   odd.width_px = 1241;
   odd.height_px = 375;
@@ -92,7 +92,7 @@ TEST(Overlay, enlarges_small_frames_and_is_even) {
   EXPECT_EQ(overlay.draw(grey, {}, {}).size(), overlay.size());
 }
 
-TEST(Overlay, draws_whatever_the_numbers_are) {
+TEST(Overlay, DrawsNonFiniteEstimates) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr float kFloatNaN = std::numeric_limits<float>::quiet_NaN();
   NavigationEstimate estimate;
@@ -100,7 +100,7 @@ TEST(Overlay, draws_whatever_the_numbers_are) {
   estimate.velocity_in_world_m_s.setConstant(kNaN);
   estimate.world_from_body.rotation.coeffs().setConstant(kNaN);
   estimate.quality.mean_flow_px = kNaN;
-  const std::vector<WindowFlow> windows{
+  const std::vector<WeightedFlow> windows{
       {.centre_px = {kFloatNaN, 0}, .flow_px = {0, 0}},
       {.centre_px = {10, 10}, .flow_px = {kFloatNaN, 1e30F}},
       {.centre_px = {-1e20F, 1e20F}, .flow_px = {1, 1}, .weight = 0}};

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kWritten = 40;
 
-// A pattern that moves two pixels a frame and uses all greys.
+// Pattern with all grey levels, moving 2 px per frame.
 cv::Mat image_of_frame(int frame) {
   cv::Mat grey(96, 128, CV_8UC1);
   for (int row = 0; row < grey.rows; ++row) {
@@ -33,7 +33,7 @@ void encode_pattern(const std::filesystem::path& file, double rate_hz,
   writer.commit();
 }
 
-TEST(VideoWriter, LosslessVideoReadsBackAsWritten) {
+TEST(VideoWriter, LosslessVideoReadsBackEqual) {
   const TemporaryFolder folder;
   for (const double rate_hz : {25.0, 30.0, 29.97}) {
     const auto file = folder.path() / "flight.mp4";
@@ -48,7 +48,7 @@ TEST(VideoWriter, LosslessVideoReadsBackAsWritten) {
   }
 }
 
-TEST(VideoWriter, StampsOfWholeRatesAreExact) {
+TEST(VideoWriter, TimeStampsOfIntegerRatesAreExact) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "flight.mp4";
   encode_pattern(file, 25, {});
@@ -58,15 +58,15 @@ TEST(VideoWriter, StampsOfWholeRatesAreExact) {
   }
 }
 
-TEST(VideoWriter, SameImagesGiveTheSameBytes) {
+TEST(VideoWriter, IsDeterministic) {
   const TemporaryFolder folder;
   encode_pattern(folder.path() / "a.mp4", 25, {});
   encode_pattern(folder.path() / "b.mp4", 25, {});
   EXPECT_EQ(read_text_file(folder.path() / "a.mp4"), read_text_file(folder.path() / "b.mp4"));
 }
 
-// Flat patches survive 4:2:0 and the encoder: what a player shows is what was drawn.
-TEST(VideoWriter, KeepsColours) {
+// Uniform areas, since 4:2:0 subsamples chroma.
+TEST(VideoWriter, PreservesColours) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "overlay.mp4";
   const cv::Scalar left(200, 60, 40);
@@ -86,7 +86,7 @@ TEST(VideoWriter, KeepsColours) {
   EXPECT_LT(mean_error({68, 124}, right), 6);
 }
 
-TEST(VideoWriter, LeavesNothingBehindUnlessCommitted) {
+TEST(VideoWriter, RemovesFileWithoutCommit) {
   const TemporaryFolder folder;
   {
     VideoWriter writer(folder.path() / "flight.mp4", {128, 96}, 25, {});
@@ -95,7 +95,7 @@ TEST(VideoWriter, LeavesNothingBehindUnlessCommitted) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(VideoWriter, NamesWhatItCannotWrite) {
+TEST(VideoWriter, RejectsOddSizesAndMissingFolders) {
   const TemporaryFolder folder;
   EXPECT_EQ(input_error_of(folder,
                            [&] {

@@ -7,8 +7,8 @@
 namespace stillkite {
 namespace {
 
-// From pose to pose the twist is that of the scene, in the camera's own frame.
-TEST(BenchScene, MovesAsItsTwistSays) {
+// Twist between the poses, in the camera frame.
+TEST(BenchScene, PosesMatchTwist) {
   for (const BenchMotion& motion : {kBenchSceneA, kBenchSceneB}) {
     const BenchScene scene = make_bench_scene(motion, cv::Mat(64, 64, CV_8UC1, cv::Scalar(9)), 1);
     const RigidTransform previous_from_current =
@@ -17,7 +17,7 @@ TEST(BenchScene, MovesAsItsTwistSays) {
                motion.angular_rate_in_camera_rad_s)
                   .norm(),
               1e-12);
-    // many small steps of the same twist arrive at the same place
+    // integration of the twist in small steps
     constexpr int kSteps = 20000;
     const double step_s = scene.interval_s / kSteps;
     const RigidTransform step{so3_exp(step_s * scene.twist_in_camera.angular_rate_rad_s),
@@ -31,7 +31,7 @@ TEST(BenchScene, MovesAsItsTwistSays) {
   }
 }
 
-TEST(BenchScene, DrawsFreshNoiseForEverySeedInBothImages) {
+TEST(BenchScene, NoiseIsIndependentBetweenSeeds) {
   const BenchScene scene = make_bench_scene(kBenchSceneA, cv::Mat(), 1);
   const FramePair one = with_noise(scene, 1.5, 1);
   const FramePair again = with_noise(scene, 1.5, 1);

@@ -16,8 +16,8 @@ constexpr ImuConfig kPerfectImu{.rate_hz = 400,
                                 .accel_bias_m_s2 = 0,
                                 .accel_bias_walk = 0};
 
-// Dead reckoning on a perfect IMU comes out where the flight does.
-TEST(Imu, IntegratesToTheTrajectory) {
+// Dead reckoning with an error-free IMU reproduces the trajectory.
+TEST(Imu, IntegratesToTrajectory) {
   FlightConfig flight{
       .duration_s = 20, .height_m = 50, .forward_m = 100, .left_m = 20, .climb_m = -10};
   flight.tilt_sway_deg = 10;
@@ -45,7 +45,7 @@ TEST(Imu, IntegratesToTheTrajectory) {
   EXPECT_LT(angle_between_rad(pose.rotation, end.world_from_body.rotation), 1e-5);
 }
 
-TEST(Imu, NoiseHasItsDensity) {
+TEST(Imu, NoiseHasConfiguredDensity) {
   FlightConfig still{.duration_s = 100, .forward_m = 0, .left_m = 0, .climb_m = 0};
   still.sway_m = still.tilt_sway_deg = still.yaw_sway_deg = 0;
   ImuConfig config = kPerfectImu;
@@ -63,8 +63,8 @@ TEST(Imu, NoiseHasItsDensity) {
   EXPECT_NEAR(std::sqrt(accel / count / 400), 2e-2, 2e-4);
 }
 
-// Over a flat ground the range is h / cos(tilt); over a relief its end lies on the relief.
-TEST(RangeFinder, EndsOnTheGround) {
+// The end point of the measured range lies on the ground, flat or with relief.
+TEST(RangeFinder, MeasuresDistanceToGround) {
   FlightConfig flight;
   flight.tilt_sway_deg = 10;
   const Trajectory trajectory = make_trajectory(flight, 3);
@@ -82,7 +82,7 @@ TEST(RangeFinder, EndsOnTheGround) {
   }
 }
 
-TEST(Relief, HasItsAmplitudeIsSmoothAndRepeats) {
+TEST(Relief, IsBoundedSmoothAndPeriodic) {
   const Relief relief({.amplitude_m = 5, .correlation_length_m = 60}, 4);
   double peak = 0;
   double steepest = 0;

@@ -25,19 +25,19 @@ SimulationConfig small_flight() {
   return config;
 }
 
-std::vector<cv::Mat> film(const SimulationConfig& config) {
+std::vector<cv::Mat> render_frames(const SimulationConfig& config) {
   std::vector<cv::Mat> frames;
-  film_flight(config, {}, [&](const Frame& frame) {
+  render_flight(config, {}, [&](const Frame& frame) {
     EXPECT_EQ(frame.index, static_cast<std::int64_t>(frames.size()));
     frames.push_back(frame.grey);
   });
   return frames;
 }
 
-TEST(Film, IsTheSameBitForBitFromTheSameSeed) {
+TEST(RenderFlight, IsDeterministicInSeed) {
   const SimulationConfig config = small_flight();
-  const std::vector<cv::Mat> once = film(config);
-  const std::vector<cv::Mat> twice = film(config);
+  const std::vector<cv::Mat> once = render_frames(config);
+  const std::vector<cv::Mat> twice = render_frames(config);
   ASSERT_EQ(once.size(), 11u);
   ASSERT_EQ(twice.size(), 11u);
   for (std::size_t k = 0; k < once.size(); ++k) {
@@ -45,38 +45,38 @@ TEST(Film, IsTheSameBitForBitFromTheSameSeed) {
   }
   SimulationConfig other = config;
   other.seed = 2;
-  EXPECT_GT(cv::norm(once[0], film(other)[0], cv::NORM_INF), 20);
+  EXPECT_GT(cv::norm(once[0], render_frames(other)[0], cv::NORM_INF), 20);
 }
 
-TEST(Film, HasAFrameForEveryStampOfTheTruth) {
+TEST(RenderFlight, RendersFramePerGroundTruthStamp) {
   SimulationConfig config = small_flight();
   config.camera.frames_per_s = 30;
   const FlightRecord record = record_flight(config);
   ASSERT_EQ(record.truth.size(), 13u);
   std::vector<Timestamp> stamps;
-  film_flight(config, {}, [&](const Frame& frame) { stamps.push_back(frame.stamp); });
+  render_flight(config, {}, [&](const Frame& frame) { stamps.push_back(frame.stamp); });
   ASSERT_EQ(stamps.size(), record.truth.size());
   for (std::size_t k = 0; k < stamps.size(); ++k) EXPECT_EQ(stamps[k], record.truth[k].stamp);
   EXPECT_EQ(record.truth[1].stamp.ns, 33333333);
   EXPECT_EQ(record.imu.size(), 81u);
 }
 
-TEST(Film, RampsTheExposure) {
+TEST(RenderFlight, AppliesGainRamp) {
   SimulationConfig config = small_flight();
   config.camera.noise_grey = 0;
-  const std::vector<cv::Mat> even = film(config);
+  const std::vector<cv::Mat> even = render_frames(config);
   config.camera.gain_ramp_ratio = 0.3;
-  const std::vector<cv::Mat> ramp = film(config);
+  const std::vector<cv::Mat> ramp = render_frames(config);
   for (std::size_t k = 0; k < even.size(); ++k) {
     const double gain = 1 + 0.03 * static_cast<double>(k);
     cv::Mat expected;
     even[k].convertTo(expected, CV_8UC1, gain);
-    // both are rounded
+    // rounding of both images
     EXPECT_LE(cv::norm(expected, ramp[k], cv::NORM_INF), 1) << k;
   }
 }
 
-TEST(Film, BlursMovingImagesOnly) {
+TEST(RenderFlight, BlursMovingImagesOnly) {
   SimulationConfig config = small_flight();
   config.camera.noise_grey = 0;
   const auto sharpness = [](const cv::Mat& frame) {
@@ -84,26 +84,26 @@ TEST(Film, BlursMovingImagesOnly) {
     cv::Laplacian(frame, laplacian, CV_32F);
     return cv::norm(laplacian, cv::NORM_L1);
   };
-  const double sharp = sharpness(film(config)[5]);
+  const double sharp = sharpness(render_frames(config)[5]);
   config.camera.shutter_s = 0.3;  // over 7 pixels
   config.camera.shutter_samples = 16;
-  EXPECT_LT(sharpness(film(config)[5]), 0.7 * sharp);
+  EXPECT_LT(sharpness(render_frames(config)[5]), 0.7 * sharp);
   config.flight.forward_m = config.flight.sway_m = 0;
   config.flight.tilt_sway_deg = config.flight.yaw_sway_deg = 0;
-  const cv::Mat hovering = film(config)[5];
+  const cv::Mat hovering = render_frames(config)[5];
   config.camera.shutter_s = 0;
-  EXPECT_LE(cv::norm(hovering, film(config)[5], cv::NORM_INF), 1);
+  EXPECT_LE(cv::norm(hovering, render_frames(config)[5], cv::NORM_INF), 1);
 }
 
-TEST(Film, ExposesItsRowsOneAfterTheOther) {
+TEST(RenderFlight, SimulatesRollingShutter) {
   SimulationConfig config = small_flight();
   config.camera.noise_grey = 0;
   config.flight.forward_m = 20;  // 5 pixels a frame
   config.camera.frames_per_s = 50;
-  const std::vector<cv::Mat> at_once = film(config);
+  const std::vector<cv::Mat> at_once = render_frames(config);
   config.camera.frames_per_s = 25;
   config.camera.readout_s = 0.04;
-  const cv::Mat rolled = film(config)[5];
+  const cv::Mat rolled = render_frames(config)[5];
   const auto difference = [&](int row, int frame) {
     return cv::norm(rolled.row(row), at_once[static_cast<std::size_t>(frame)].row(row),
                     cv::NORM_L1) /
@@ -116,19 +116,19 @@ TEST(Film, ExposesItsRowsOneAfterTheOther) {
   EXPECT_GT(difference(119, 10), 5);
 }
 
-TEST(Vehicle, CoversItsShareOfTheImageAtHalfTime) {
+TEST(Vehicle, CoversConfiguredImageFractionAtHalfTime) {
   SimulationConfig config = small_flight();
   config.camera.noise_grey = 0;
   config.flight.tilt_sway_deg = 0;
   config.camera.frames_per_s = 5;
-  const std::vector<cv::Mat> without = film(config);
+  const std::vector<cv::Mat> without = render_frames(config);
   config.vehicle = VehicleConfig{.image_share = 0.04, .crossing_s = 0.4};
-  const std::vector<cv::Mat> with = film(config);
+  const std::vector<cv::Mat> with = render_frames(config);
   const cv::Mat changed = with[1] != without[1];
   EXPECT_NEAR(cv::countNonZero(changed) / double(changed.total()), 0.04, 0.003);
 }
 
-TEST(CameraMount, TiltsTowardsTheNose) {
+TEST(CameraMount, TiltsOpticalAxisTowardsNose) {
   SimulationConfig config = small_flight();
   EXPECT_LT((record_flight(config).body_from_camera.rotation * Eigen::Vector3d::UnitZ() -
              Eigen::Vector3d(0, 0, -1))
@@ -139,7 +139,7 @@ TEST(CameraMount, TiltsTowardsTheNose) {
   EXPECT_LT(
       (tilted * Eigen::Vector3d::UnitZ() - Eigen::Vector3d(0.5, 0, -0.5 * std::sqrt(3.0))).norm(),
       1e-12);
-  // the image's right stays the body's right
+  // image right stays -y of the body
   EXPECT_LT((tilted * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
 }
 

@@ -12,8 +12,8 @@ namespace {
 
 class Derivatives : public testing::TestWithParam<FlightShape> {};
 
-// Velocity, acceleration and angular rate against central differences of the pose.
-TEST_P(Derivatives, MatchTheNumericOnes) {
+// Reference: central differences of pose and velocity.
+TEST_P(Derivatives, MatchFiniteDifferences) {
   FlightConfig config{.shape = GetParam(), .heading_deg = 40, .pitch_deg = 12, .roll_deg = -25};
   config.tilt_sway_deg = 8;
   config.yaw_sway_deg = 20;
@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Trajectory, Derivatives,
                                          FlightShape::out_and_back),
                          [](const auto& shape) { return std::string(name_of(shape.param)); });
 
-TEST(Trajectory, DefaultIsTheFlowPapersFlight) {
+TEST(Trajectory, DefaultsToFlowPaperFlight) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Trajectory trajectory = make_trajectory({}, seed);
     EXPECT_LT((trajectory.at(0).world_from_body.translation - Eigen::Vector3d(0, 0, 400)).norm(),
@@ -56,13 +56,13 @@ TEST(Trajectory, DefaultIsTheFlowPapersFlight) {
       square += tilt * tilt / 151;
       largest = std::max(largest, tilt);
     }
-    // roll and pitch of 1.2 deg RMS each
+    // roll and pitch: 1.2 deg RMS each
     EXPECT_NEAR(std::sqrt(square) / kDegree, 1.2 * std::numbers::sqrt2, 0.6);
     EXPECT_LT(largest / kDegree, 6);
   }
 }
 
-TEST(Trajectory, SeedsDifferOnlyInTheIrregularPart) {
+TEST(Trajectory, SeedsDifferOnlyInRandomPart) {
   FlightConfig config;
   const Eigen::Vector3d one = make_trajectory(config, 1).at(33).world_from_body.translation;
   EXPECT_EQ((one - make_trajectory(config, 1).at(33).world_from_body.translation).norm(), 0);
@@ -74,7 +74,7 @@ TEST(Trajectory, SeedsDifferOnlyInTheIrregularPart) {
             1e-12);
 }
 
-TEST(Trajectory, OutAndBackTurnsHalfWayAndEndsAtRestWhereItBegan) {
+TEST(Trajectory, OutAndBackReversesAtHalfTimeAndReturns) {
   FlightConfig config{.shape = FlightShape::out_and_back, .forward_m = 500, .sway_m = 0};
   const Trajectory trajectory = make_trajectory(config, 3);
   const Eigen::Vector3d start(0, 0, 400);
@@ -85,7 +85,7 @@ TEST(Trajectory, OutAndBackTurnsHalfWayAndEndsAtRestWhereItBegan) {
   EXPECT_LT(trajectory.at(150).velocity_in_world_m_s.norm(), 1e-9);
 }
 
-// Without sway: speed along the nose, circle of radius v / w, and no specific force sideways.
+// Without random motion: velocity along the body x axis, radius v / w, zero lateral specific force.
 TEST(Trajectory, TurnIsCoordinated) {
   for (const double turn_rate_deg_s : {12.0, -30.0}) {
     FlightConfig config{.shape = FlightShape::turn,
@@ -113,7 +113,7 @@ TEST(Trajectory, TurnIsCoordinated) {
   }
 }
 
-TEST(Trajectory, RejectsWhatCannotBeFlown) {
+TEST(Trajectory, RejectsGroundContactAndZeroTurnRate) {
   EXPECT_THROW((void)make_trajectory({.climb_m = -399}, 1), InputError);
   EXPECT_THROW((void)make_trajectory({.shape = FlightShape::turn, .turn_rate_deg_s = 0}, 1),
                InputError);

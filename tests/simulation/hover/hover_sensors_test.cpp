@@ -31,7 +31,7 @@ Timestamp step_stamp(int step) {
   return {step * std::int64_t{5'000'000}};
 }
 
-// The readings of a drone that nothing moves.
+// Readings of a drone at rest.
 HoverReadings readings_at_rest(const HoverSensorConfig& config, std::uint64_t seed, int steps) {
   const TetheredDrone drone({}, camera_raised_forward(75), {}, 0.4);
   HoverSensors sensors(config, seed);
@@ -44,7 +44,7 @@ HoverReadings readings_at_rest(const HoverSensorConfig& config, std::uint64_t se
   return all;
 }
 
-TEST(HoverSensors, KeepTheirRatesAndSayWhenAReadingIsKnown) {
+TEST(HoverSensors, HaveConfiguredRatesAndLatency) {
   const HoverReadings readings = readings_at_rest({}, 1, 2000);
   ASSERT_EQ(readings.tether.size(), 501u);
   ASSERT_EQ(readings.attitude.size(), 2001u);
@@ -55,7 +55,7 @@ TEST(HoverSensors, KeepTheirRatesAndSayWhenAReadingIsKnown) {
   EXPECT_EQ(readings.attitude[7].stamp.ns, 35'000'000);
 }
 
-TEST(HoverSensors, HaveTheNoiseAndTheDriftTheyAreSaidToHave) {
+TEST(HoverSensors, HaveConfiguredNoiseAndDrift) {
   HoverSensorConfig config;
   config.imu = kExactImu;
   const HoverReadings readings = readings_at_rest(config, 5, 60 * 200);
@@ -77,13 +77,13 @@ TEST(HoverSensors, HaveTheNoiseAndTheDriftTheyAreSaidToHave) {
   EXPECT_NEAR(std::abs(yaw_deg(60 * 200 - 200) - yaw_deg(0)), 0.5 * 59 / 60, 0.02);
   double height_error = 0;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
-    height_error += std::pow(HoverSensors({}, seed).known_height_m(3) / 3 - 1, 2) / 2000;
+    height_error += std::pow(HoverSensors({}, seed).measured_height_m(3) / 3 - 1, 2) / 2000;
   }
   EXPECT_NEAR(std::sqrt(height_error), 0.02, 0.001);
 }
 
-// Dead reckoning on exact readings arrives where the drone is, whatever happens between two.
-TEST(HoverSensors, IntegrateToTheDronesMotion) {
+// Dead reckoning with error-free readings reproduces the motion, including motion between readings.
+TEST(HoverSensors, IntegrateToDroneMotion) {
   const StationPath path({}, PaperAxis::z);
   TetheredDrone drone({}, camera_raised_forward(75), path.at(0), 0.2);
   HoverSensors sensors(exact_sensors(), 1);
@@ -105,7 +105,7 @@ TEST(HoverSensors, IntegrateToTheDronesMotion) {
     const AttitudeReading& imu = now.attitude.front();
     const Eigen::Quaterniond half_way = attitude.slerp(0.5, imu.world_from_body);
     attitude = imu.world_from_body;
-    // set off at once, by the wind
+    // initial velocity step by the wind
     if (k == 1) velocity = drone.truth().velocity_in_world_m_s;
     const Eigen::Vector3d change =
         0.005 * (half_way * imu.specific_force_in_body_m_s2 - Eigen::Vector3d(0, 0, 9.80665));
@@ -120,8 +120,8 @@ TEST(HoverSensors, IntegrateToTheDronesMotion) {
   EXPECT_NEAR(yaw_rad, to_euler(drone.truth().world_from_body.rotation).yaw_rad, 1e-9);
 }
 
-// One sensor's rate or noise does not reach into another's draws.
-TEST(HoverSensors, DrawFromStreamsOfTheirOwn) {
+// Rate and noise of one sensor do not change the random numbers of another.
+TEST(HoverSensors, UseIndependentRandomStreams) {
   HoverSensorConfig config;
   const HoverReadings one = readings_at_rest(config, 3, 400);
   config.imu.rate_hz = 100;

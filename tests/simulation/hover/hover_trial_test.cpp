@@ -11,7 +11,7 @@
 namespace stillkite {
 namespace {
 
-// A short and coarse flight: the station goes 0.8 m out, back, and the other way.
+// Short trial at low resolution; amplitude of the station path 0.8 m.
 HoverConfig short_trials() {
   HoverConfig config;
   config.plant.camera = small_hover_camera(400, 10);
@@ -33,40 +33,42 @@ double mean_displacement_m(const TrialRecord& record) {
   return signed_statistics(d)->mean;
 }
 
-TEST(HoverTrial, WithoutStabilizationTheDroneFollowsItsStation) {
+TEST(HoverTrial, DroneFollowsStationWithoutStabilization) {
   const TrialRecord record = fly_trial(short_trials(), world(), {.stabilized = false});
   ASSERT_GT(record.samples.size(), 80U);
   for (const TrialSample& sample : record.samples) {
-    const Eigen::Vector3d way = sample.station_in_world_m - record.samples[0].station_in_world_m;
-    EXPECT_LT((sample.displacement_in_world_m - way).norm(), 1e-6);
+    const Eigen::Vector3d station_m =
+        sample.station_in_world_m - record.samples[0].station_in_world_m;
+    EXPECT_LT((sample.displacement_in_world_m - station_m).norm(), 1e-6);
     EXPECT_EQ(sample.action, HoldAction::hold);
   }
 }
 
-// As without: the drone hangs over its station, but how far it has gone is known.
-TEST(HoverTrial, WithoutStabilizationAnEstimatorMayLookOn) {
+// The drone follows its station as without an estimator; the displacement is estimated.
+TEST(HoverTrial, PassiveEstimatorDoesNotAffectFlight) {
   HoverConfig config = short_trials();
   config.estimator.policy = Policy::flow;
   const Trial off{.stabilized = false, .seed = 3};
   const TrialRecord alone = fly_trial(config, world(), off);
   EXPECT_TRUE(alone.estimate_errors.empty());
   config.trials.estimate_off = true;
-  const TrialRecord watched = fly_trial(config, world(), off);
-  ASSERT_EQ(watched.samples.size(), alone.samples.size());
+  const TrialRecord observed = fly_trial(config, world(), off);
+  ASSERT_EQ(observed.samples.size(), alone.samples.size());
   for (std::size_t i = 0; i < alone.samples.size(); ++i) {
-    EXPECT_EQ(watched.samples[i].displacement_in_world_m, alone.samples[i].displacement_in_world_m);
-    EXPECT_EQ(watched.samples[i].command.length_rate_m_s, 0);
+    EXPECT_EQ(observed.samples[i].displacement_in_world_m,
+              alone.samples[i].displacement_in_world_m);
+    EXPECT_EQ(observed.samples[i].command.length_rate_m_s, 0);
   }
-  ASSERT_GT(watched.estimate_errors.size(), alone.samples.size() - 4);
-  double worst_m = 0;
-  for (const EstimateError& error : watched.estimate_errors) {
-    worst_m = std::max(worst_m, error.position_error_m.value_or(0));
+  ASSERT_GT(observed.estimate_errors.size(), alone.samples.size() - 4);
+  double max_error_m = 0;
+  for (const EstimateError& error : observed.estimate_errors) {
+    max_error_m = std::max(max_error_m, error.position_error_m.value_or(0));
   }
-  EXPECT_GT(worst_m, 0);
-  EXPECT_LT(worst_m, 0.2);
+  EXPECT_GT(max_error_m, 0);
+  EXPECT_LT(max_error_m, 0.2);
 }
 
-TEST(HoverTrial, WithStabilizationItStaysAndFliesTheSameAgain) {
+TEST(HoverTrial, StabilizationReducesDisplacementDeterministically) {
   const HoverConfig config = short_trials();
   const TrialRecord off = fly_trial(config, world(), {.stabilized = false});
   const TrialRecord on = fly_trial(config, world(), {.seed = 3});
@@ -78,8 +80,8 @@ TEST(HoverTrial, WithStabilizationItStaysAndFliesTheSameAgain) {
   }
 }
 
-// Nobody turns it back: the yaw is what the kicks have added up to.
-TEST(HoverTrial, TheRecordHasTheKicksThatTurnedTheDrone) {
+// Without control the yaw is the sum of the kicks.
+TEST(HoverTrial, RecordContainsYawKicks) {
   HoverConfig config = short_trials();
   const TrialRecord quiet = fly_trial(config, world(), {.stabilized = false, .seed = 3});
   EXPECT_TRUE(quiet.kicks.empty());
@@ -92,10 +94,10 @@ TEST(HoverTrial, TheRecordHasTheKicksThatTurnedTheDrone) {
   EXPECT_NEAR(record.samples.back().yaw_rad, sum_rad, 1e-9);
 }
 
-TEST(HoverTrial, TheObserverSeesEveryImageInItsTurn) {
+TEST(HoverTrial, ObserverReceivesImagesInOrder) {
   HoverConfig config = short_trials();
   config.cycle = {.period_s = 0.2, .compute_s = 0.1};
-  int seen = 0;
+  int received = 0;
   Timestamp last{-1};
   const TrialRecord record =
       fly_trial(config, world(), {},
@@ -103,12 +105,12 @@ TEST(HoverTrial, TheObserverSeesEveryImageInItsTurn) {
                   EXPECT_GT(frame.stamp, last);
                   EXPECT_EQ(estimate.stamp, frame.stamp);
                   last = frame.stamp;
-                  ++seen;
+                  ++received;
                 });
-  EXPECT_NEAR(seen, record.samples.back().t_s / 0.2, 2);
+  EXPECT_NEAR(received, record.samples.back().t_s / 0.2, 2);
 }
 
-TEST(HoverTrial, TrialsAreThePapersTwelve) {
+TEST(HoverTrial, DefaultsToPapersTwelveTrials) {
   const std::vector<Trial> trials = make_trials({});
   ASSERT_EQ(trials.size(), 12U);
   for (std::size_t i = 0; i < trials.size(); ++i) {

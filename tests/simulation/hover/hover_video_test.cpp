@@ -12,14 +12,15 @@
 namespace stillkite {
 namespace {
 
-// A small camera of 10 Hz 3 m over a floor.
+// Low-resolution camera at 10 Hz.
 HoverConfig small_video() {
   HoverConfig config;
   config.plant.camera = small_hover_camera(200, 10);
   return config;
 }
 
-// What is sent of 1.05 s with a fault, while the drone goes ahead at 1 m/s.
+// Images delivered within 1.25 s under a fault; the drone moves forward at 1 m/s, 3 m over the
+// floor.
 std::vector<SentImage> sent_with(const FaultEffect& fault, bool is_stabilized = true,
                                  const HoverConfig& config = small_video()) {
   static const HoverWorld room = make_hover_world(config);
@@ -32,7 +33,7 @@ std::vector<SentImage> sent_with(const FaultEffect& fault, bool is_stabilized = 
     truth.world_from_camera = truth.world_from_body * camera_raised_forward(75);
     const bool is_exposed = video.expose(truth, Eigen::Quaterniond::Identity(), now, fault);
     EXPECT_EQ(is_exposed, step % 10 == 0) << step;
-    if (const auto ready = video.take(now)) sent.push_back(*ready);
+    if (const auto ready = video.receive(now)) sent.push_back(*ready);
   }
   return sent;
 }
@@ -41,7 +42,7 @@ bool is_same_image(const cv::Mat& a, const cv::Mat& b) {
   return cv::countNonZero(a != b) == 0;
 }
 
-TEST(HoverVideo, SendsEachImageOnceItsTimeHasPassed) {
+TEST(HoverVideo, DeliversImagesAfterLatency) {
   const std::vector<SentImage> sent = sent_with({});
   ASSERT_EQ(sent.size(), 12U);
   for (std::size_t i = 0; i < sent.size(); ++i) {
@@ -54,7 +55,7 @@ TEST(HoverVideo, SendsEachImageOnceItsTimeHasPassed) {
   EXPECT_TRUE(sent_with({}, false).empty());
 }
 
-TEST(HoverVideo, AFrozenOneSendsItsFirstImageWithNewStamps) {
+TEST(HoverVideo, FrozenVideoRepeatsImageWithNewStamps) {
   const std::vector<SentImage> sent = sent_with({.is_video_frozen = true});
   ASSERT_EQ(sent.size(), 12U);
   EXPECT_TRUE(is_same_image(sent[11].frame.grey, sent[0].frame.grey));
@@ -62,28 +63,28 @@ TEST(HoverVideo, AFrozenOneSendsItsFirstImageWithNewStamps) {
   EXPECT_EQ(sent[11].frame.stamp, from_seconds(1.1));
 }
 
-TEST(HoverVideo, EveryThirdImageIsLost) {
+TEST(HoverVideo, LosesEveryThirdFrame) {
   const std::vector<SentImage> sent = sent_with({.is_every_third_frame_lost = true});
   ASSERT_EQ(sent.size(), 8U);
   EXPECT_EQ(sent[1].frame.index, 1);
   EXPECT_EQ(sent[2].frame.index, 3);
 }
 
-TEST(HoverVideo, StampsAreOffAndTheTruthIsNot) {
-  const std::vector<SentImage> sent = sent_with({.stamps_off_s = 0.05});
+TEST(HoverVideo, StampOffsetDoesNotAffectGroundTruth) {
+  const std::vector<SentImage> sent = sent_with({.stamp_offset_s = 0.05});
   EXPECT_EQ(sent[1].frame.stamp, from_seconds(0.15));
   EXPECT_NEAR(sent[1].truth.world_from_body.translation.x(), 0.1, 1e-12);
 }
 
-TEST(HoverVideo, WithoutLightThereIsOnlyNoise) {
+TEST(HoverVideo, DarkImageIsNoise) {
   const cv::Mat dark = sent_with({.light_ratio = 0.005})[0].frame.grey;
   EXPECT_LT(cv::mean(dark)[0], 4);
 }
 
-// The horizon of a camera that looks 15 degrees down is in row 59.5 - 120 tan(15 deg) = 27.
-TEST(HoverVideo, AFloorThatRisesChangesTheImageBelowTheHorizonOnly) {
+// Row of the horizon for a camera 15 degrees below the horizontal: 59.5 - 120 tan(15 deg) = 27.
+TEST(HoverVideo, FloorStepChangesImageBelowHorizonOnly) {
   const cv::Mat before = sent_with({})[0].frame.grey;
-  const cv::Mat after = sent_with({.floor_moved_m = {0, 0, 0.3}})[0].frame.grey;
+  const cv::Mat after = sent_with({.floor_displacement_m = {0, 0, 0.3}})[0].frame.grey;
   EXPECT_TRUE(is_same_image(before.rowRange(0, 20), after.rowRange(0, 20)));
   EXPECT_FALSE(is_same_image(before.rowRange(80, 120), after.rowRange(80, 120)));
 }
@@ -94,8 +95,8 @@ double deviation_of(const cv::Mat& image) {
   return deviation[0];
 }
 
-// The scene's deviation is a tenth about grey 128, the noise's is what it was.
-TEST(HoverVideo, HazeTakesTheContrastAndLeavesTheNoise) {
+// Contrast ratio 0.1 about grey 128; unchanged noise.
+TEST(HoverVideo, HazeReducesContrastButNotNoise) {
   HoverConfig config = small_video();
   config.plant.camera.noise_grey = 0;
   const cv::Mat clear = sent_with({}, true, config)[0].frame.grey;
@@ -110,8 +111,9 @@ TEST(HoverVideo, HazeTakesTheContrastAndLeavesTheNoise) {
   EXPECT_NEAR(deviation_of(fog), 3, 0.1);
 }
 
-// In a fog of grey 128 the exposure alone is seen: 30 % more over the 43 s of a trial, 5 % flicker.
-TEST(HoverVideo, ExposureRisesAndFlickers) {
+// At zero contrast the grey value is 128 x gain: ramp of 30 % over the 43 s of a trial, flicker of
+// at most 5 %.
+TEST(HoverVideo, AppliesGainRampAndFlicker) {
   HoverConfig config = small_video();
   config.plant.contrast_ratio = 0;
   config.plant.camera.gain_ramp_ratio = 0.3;
@@ -120,18 +122,18 @@ TEST(HoverVideo, ExposureRisesAndFlickers) {
   EXPECT_NEAR(cv::mean(rising[10].frame.grey)[0], 128 * (1 + 0.3 * 1.0 / 43), 0.1);
   config.plant.camera.gain_ramp_ratio = 0;
   config.plant.camera.flicker_ratio = 0.05;
-  double least = 255, most = 0;
+  double min_grey = 255, max_grey = 0;
   for (const SentImage& image : sent_with({}, true, config)) {
-    least = std::min(least, cv::mean(image.frame.grey)[0]);
-    most = std::max(most, cv::mean(image.frame.grey)[0]);
+    min_grey = std::min(min_grey, cv::mean(image.frame.grey)[0]);
+    max_grey = std::max(max_grey, cv::mean(image.frame.grey)[0]);
   }
-  EXPECT_GT(most - least, 0.05 * 128);
-  EXPECT_GT(least, 128 * 0.95 - 0.1);
-  EXPECT_LT(most, 128 * 1.05 + 0.1);
+  EXPECT_GT(max_grey - min_grey, 0.05 * 128);
+  EXPECT_GT(min_grey, 128 * 0.95 - 0.1);
+  EXPECT_LT(max_grey, 128 * 1.05 + 0.1);
 }
 
-// The room's camera is 3 m up and goes ahead: who walks 2.7 m away is seen from the start.
-TEST(HoverVideo, WhoPassesIsSeenAndMoves) {
+// Objects at 2.7 m are initially in the field of view, below row 40.
+TEST(HoverVideo, RendersMovingObjects) {
   HoverConfig config = small_video();
   config.plant.camera.noise_grey = 0;
   const cv::Mat empty = sent_with({}, true, config)[0].frame.grey;

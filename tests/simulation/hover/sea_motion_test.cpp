@@ -18,8 +18,8 @@ WaterMotion water_at(const std::vector<RegularWave>& waves, double x_m, double y
   return water_motion(waves, {}, {x_m, y_m}, Eigen::Vector2d::Zero(), t_s);
 }
 
-// Between neighbours lies a 60th of the energy H^2 / 16: as much as S times their distance.
-TEST(SeaMotion, ItsWavesHaveTheDensityOfTheSpectrum) {
+// Energy between adjacent waves: (H^2 / 16) / 60 = S x frequency spacing.
+TEST(SeaMotion, WavesFollowSpectralDensity) {
   const std::vector<RegularWave> waves = make_waves(kRoughSea, 3);
   ASSERT_EQ(waves.size(), 60U);
   const double peak_rad_s = 2 * std::numbers::pi / 5;
@@ -40,8 +40,8 @@ TEST(SeaMotion, ItsWavesHaveTheDensityOfTheSpectrum) {
   EXPECT_NEAR(at_narrowest_rad_s, peak_rad_s, 0.03 * peak_rad_s);
 }
 
-// Variance H^2 / 16; upward crossings every 2 pi sqrt(m0 / m2) = T / (5 pi / 4)^(1/4).
-TEST(SeaMotion, TheSurfaceHasTheHeightAndTheMeanPeriodOfTheSpectrum) {
+// Variance H^2 / 16; mean zero-upcrossing period 2 pi sqrt(m0 / m2) = T / (5 pi / 4)^(1/4).
+TEST(SeaMotion, SurfaceHasVarianceAndMeanPeriodOfSpectrum) {
   const std::vector<RegularWave> waves = make_waves(kRoughSea, 4);
   constexpr double kDuration_s = 20000;
   constexpr double kStep_s = 0.1;
@@ -59,8 +59,8 @@ TEST(SeaMotion, TheSurfaceHasTheHeightAndTheMeanPeriodOfTheSpectrum) {
   EXPECT_NEAR(kDuration_s / crossings, period_s, 0.04 * period_s);
 }
 
-// Of 2/pi cos^2 the mean of the cosine is 8 / (3 pi), of its square 3/4.
-TEST(SeaMotion, TheWavesSpreadAboutTheirDirection) {
+// Density 2/pi cos^2: mean of the cosine 8 / (3 pi), of its square 3/4.
+TEST(SeaMotion, DirectionsFollowCosineSquaredSpread) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double squares = 0;
   constexpr int kSeas = 400;
@@ -78,7 +78,7 @@ TEST(SeaMotion, TheWavesSpreadAboutTheirDirection) {
   EXPECT_NEAR(squares / (60 * kSeas), 0.75, 0.01);
 }
 
-TEST(SeaMotion, TheSlopeIsTheGradientOfTheSurface) {
+TEST(SeaMotion, SlopeIsSurfaceGradient) {
   const std::vector<RegularWave> waves = make_waves(kRoughSea, 5);
   const Waterplane boat{{0.6, 0.8}, 6, 2};
   const auto height_at = [&](double x_m, double y_m) {
@@ -90,9 +90,9 @@ TEST(SeaMotion, TheSlopeIsTheGradientOfTheSurface) {
   EXPECT_NEAR(slope.y(), (height_at(3, -1 + 1e-4) - height_at(3, -1 - 1e-4)) / 2e-4, 1e-7);
 }
 
-// One wave of 8 m: over a boat of 8 m along it nothing is left, across it sinc(pi / 3), and a boat
-// without length goes round in a circle of the wave's height.
-TEST(SeaMotion, ABoatAveragesTheWavesOverItsWaterplane) {
+// Wave of length 8 m and a boat of 8 m x 8/3 m. Factor 0 for a boat along the wave vector,
+// sinc(pi / 3) across it. A point moves in a circle of radius a.
+TEST(SeaMotion, BoatAveragesWavesOverWaterplane) {
   const double k = 2 * std::numbers::pi / 8;
   const RegularWave wave{0.2, std::sqrt(k * 9.80665), {k, 0}, 0};
   const auto crest_m = [&](const Eigen::Vector2d& ahead, double length_m) {
@@ -108,14 +108,14 @@ TEST(SeaMotion, ABoatAveragesTheWavesOverItsWaterplane) {
     EXPECT_NEAR(point.displacement_in_world_m.norm(), 0.2, 1e-12);
     EXPECT_NEAR(point.velocity_in_world_m_s.dot(point.displacement_in_world_m), 0, 1e-12);
   }
-  // on the crest the water runs with the wave
+  // on the crest the particle velocity points along the wave
   EXPECT_GT(water_at({wave}, 0, 0, 0).velocity_in_world_m_s.x(), 0);
 }
 
-TEST(SeaMotion, TheStationsVelocityIsTheDerivativeOfItsPlace) {
+TEST(SeaMotion, StationVelocityIsDerivativeOfPosition) {
   const StationPath path({.speed_m_s = 0.7}, PaperAxis::z);
   const std::vector<RegularWave> waves = make_waves(kRoughSea, 6);
-  const auto at = [&](double t_s) { return afloat(path.at(t_s), kRoughSea, waves, t_s); };
+  const auto at = [&](double t_s) { return station_on_boat(path.at(t_s), kRoughSea, waves, t_s); };
   for (const double t_s : {0.5, 2.0, 4.2, 6.0, 9.0, 20.0}) {
     const Eigen::Vector3d by_difference = (at(t_s + 1e-4).world_from_station.translation -
                                            at(t_s - 1e-4).world_from_station.translation) /
@@ -124,28 +124,28 @@ TEST(SeaMotion, TheStationsVelocityIsTheDerivativeOfItsPlace) {
   }
 }
 
-TEST(SeaMotion, TheBoatStartsUprightAndAtRestKeepsItsHeadingAndDrifts) {
+TEST(SeaMotion, BoatStartsLevelAtRestKeepsHeadingAndDrifts) {
   const std::vector<RegularWave> waves = make_waves(kRoughSea, 7);
-  const StationState ashore = StationPath({}, PaperAxis::z).at(0);
-  const StationState start = afloat(ashore, kRoughSea, waves, 0);
-  EXPECT_EQ(start.world_from_station.translation, ashore.world_from_station.translation);
+  const StationState on_land = StationPath({}, PaperAxis::z).at(0);
+  const StationState start = station_on_boat(on_land, kRoughSea, waves, 0);
+  EXPECT_EQ(start.world_from_station.translation, on_land.world_from_station.translation);
   EXPECT_LT(
-      angle_between_rad(start.world_from_station.rotation, ashore.world_from_station.rotation),
+      angle_between_rad(start.world_from_station.rotation, on_land.world_from_station.rotation),
       1e-12);
   EXPECT_EQ(start.velocity_in_world_m_s.norm(), 0);
-  const StationState later = afloat(ashore, kRoughSea, waves, 17);
+  const StationState later = station_on_boat(on_land, kRoughSea, waves, 17);
   const Eigen::Vector3d up = later.world_from_station.rotation * Eigen::Vector3d::UnitZ();
   EXPECT_LT(up.z(), 1 - 1e-5);
   const Eigen::Vector3d ahead = later.world_from_station.rotation * Eigen::Vector3d::UnitX();
   EXPECT_LT(std::abs(ahead.x()), 0.01);
-  // without waves: half of 5 s, then 95 s
+  // without waves: drift for half of 5 s, then 95 s
   const StationState calm =
-      afloat(ashore, {.towards_deg = 90, .drift_m_s = 0.2}, make_waves({0}, 1), 100);
+      station_on_boat(on_land, {.towards_deg = 90, .drift_m_s = 0.2}, make_waves({0}, 1), 100);
   EXPECT_LT((calm.world_from_station.translation - Eigen::Vector3d(0, 19.5, 1)).norm(), 1e-12);
 }
 
-// Without commands the drone keeps its tether in the boat's frame: it swings with it.
-TEST(SeaMotion, TheTetheredDroneSwingsWithItsBoat) {
+// Without commands the tether is constant in the boat frame.
+TEST(SeaMotion, TetheredDroneFollowsBoat) {
   HoverConfig config;
   config.plant.sea = kRoughSea;
   HoverPlant plant(config, {.stabilized = false, .seed = 5});

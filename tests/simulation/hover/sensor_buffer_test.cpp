@@ -14,25 +14,25 @@ HoverReadings attitude_at(double t_s, double rate_rad_s) {
   return readings;
 }
 
-std::vector<InertialReading> inertial_until(SensorBuffer& inbox, double t_s) {
-  return inbox.readings(from_seconds(t_s), Eigen::Quaterniond::Identity(), from_seconds(1))
-      .others.inertial;
+std::vector<InertialReading> inertial_until(SensorBuffer& buffer, double t_s) {
+  return buffer.readings(from_seconds(t_s), Eigen::Quaterniond::Identity(), from_seconds(1))
+      .sensors.inertial;
 }
 
-// Which would else be a time in which the drone may do anything.
-TEST(SensorBuffer, CutsTheReadingDuringWhichAImageIsTaken) {
-  SensorBuffer inbox(Eigen::Quaterniond::Identity());
-  for (const double t_s : {0.005, 0.010, 0.015}) inbox.take(attitude_at(t_s, 100 * t_s));
-  const std::vector<InertialReading> first = inertial_until(inbox, 0.008);
+// No gap in the inertial data between image stamps.
+TEST(SensorBuffer, SplitsReadingAtImageStamp) {
+  SensorBuffer buffer(Eigen::Quaterniond::Identity());
+  for (const double t_s : {0.005, 0.010, 0.015}) buffer.add(attitude_at(t_s, 100 * t_s));
+  const std::vector<InertialReading> first = inertial_until(buffer, 0.008);
   ASSERT_EQ(first.size(), 2u);
   EXPECT_EQ(first[1].stamp, from_seconds(0.008));
   EXPECT_DOUBLE_EQ(first[1].angular_rate_in_body_rad_s.x(), 1.0);
-  const std::vector<InertialReading> second = inertial_until(inbox, 0.014);
+  const std::vector<InertialReading> second = inertial_until(buffer, 0.014);
   ASSERT_EQ(second.size(), 2u);
   EXPECT_EQ(second[0].stamp, from_seconds(0.010));
   EXPECT_DOUBLE_EQ(second[0].angular_rate_in_body_rad_s.x(), 1.0);
   EXPECT_EQ(second[1].stamp, from_seconds(0.014));
-  ASSERT_EQ(inertial_until(inbox, 0.016).size(), 1u) << "what has not come yet";
+  ASSERT_EQ(inertial_until(buffer, 0.016).size(), 1u) << "remainder without a later reading";
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 namespace stillkite {
 
-/// The trials' camera with fewer and slower images, quick to render: 5:3, as wide an angle.
+/// Trial camera with reduced resolution and frame rate, same field of view and aspect ratio of 5:3.
 [[nodiscard]] inline SimulatedCameraConfig small_hover_camera(int width_px, double frames_per_s) {
   SimulatedCameraConfig camera = hover_camera();
   camera.width_px = width_px;

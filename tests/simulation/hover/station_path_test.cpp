@@ -13,25 +13,25 @@ struct Displacement {
   double deviation_m = 0;  // of signed d
 };
 
-// Along the moved axis, sampled evenly over the whole way.
+// Statistics along the moved axis, uniformly sampled in time.
 Displacement displacement_of(const StationPath& path, PaperAxis moved) {
   const Eigen::Vector3d axis = paper_axis_in_world(moved);
   const Eigen::Vector3d start = path.at(0).world_from_station.translation;
   constexpr int kSamples = 20000;
-  double sum = 0, sum_of_sizes = 0, sum_of_squares = 0;
+  double sum = 0, sum_of_magnitudes = 0, sum_of_squares = 0;
   for (int k = 0; k < kSamples; ++k) {
     const double t_s = (k + 0.5) / kSamples * path.duration_s();
     const double d = axis.dot(path.at(t_s).world_from_station.translation - start);
     sum += d;
-    sum_of_sizes += std::abs(d);
+    sum_of_magnitudes += std::abs(d);
     sum_of_squares += d * d;
   }
   const double mean = sum / kSamples;
-  return {sum_of_sizes / kSamples, std::sqrt(sum_of_squares / kSamples - mean * mean)};
+  return {sum_of_magnitudes / kSamples, std::sqrt(sum_of_squares / kSamples - mean * mean)};
 }
 
-// 2 m with ramps of 1 s (0.1 m each) take 11 s, 4 m take 21 s.
-TEST(StationPath, PassesItsTurnsWhenItShould) {
+// Ramps of 1 s and 0.1 m each: 2 m take 11 s, 4 m take 21 s.
+TEST(StationPath, ReachesReversalsAtComputedTimes) {
   const StationPath path({.height_m = 0.7}, PaperAxis::x);
   EXPECT_NEAR(path.duration_s(), 43, 1e-12);
   const auto x_at = [&](double t_s) {
@@ -50,9 +50,9 @@ TEST(StationPath, PassesItsTurnsWhenItShould) {
   EXPECT_EQ(x_at(50), 0);
 }
 
-TEST(StationPath, NeverPassesItsSpeedAndAccelerationAndItsVelocityIsTheDerivative) {
+TEST(StationPath, RespectsLimitsAndVelocityIsDerivative) {
   for (const PaperAxis axis : {PaperAxis::x, PaperAxis::y, PaperAxis::z}) {
-    const StationPath path({.upright_reach_m = 0.15}, axis);
+    const StationPath path({.vertical_reach_m = 0.15}, axis);
     constexpr double kStep_s = 1e-3;
     for (double t_s = 0.0105; t_s < path.duration_s() + 1; t_s += 0.013) {
       const StationState before = path.at(t_s - kStep_s);
@@ -70,7 +70,7 @@ TEST(StationPath, NeverPassesItsSpeedAndAccelerationAndItsVelocityIsTheDerivativ
   }
 }
 
-TEST(StationPath, HeadsAlongItsLevelAxis) {
+TEST(StationPath, HeadsAlongHorizontalAxis) {
   for (const PaperAxis axis : {PaperAxis::x, PaperAxis::z}) {
     const StationState station = StationPath({}, axis).at(3);
     const Eigen::Vector3d ahead = station.world_from_station.rotation * Eigen::Vector3d::UnitX();
@@ -83,8 +83,8 @@ TEST(StationPath, HeadsAlongItsLevelAxis) {
             1e-12);
 }
 
-// A drone that follows its station: hold paper, Table I, off, within 10 %.
-TEST(StationPath, HasTheStatisticsOfTheOffTrials) {
+// Hold paper, Table I, without stabilization: the drone follows its station. Tolerance 10 %.
+TEST(StationPath, MatchesPaperStatisticsWithoutStabilization) {
   struct OffColumn {
     PaperAxis axis;
     double mean_m;
@@ -111,8 +111,8 @@ TEST(StationPath, HasTheStatisticsOfTheOffTrials) {
   RecordProperty("all_std_m", std::to_string(std::sqrt(weighted_square / duration_s)));
 }
 
-// Turns at infinite acceleration leave the triangle of level reach: mean 1, deviation 2 / sqrt(3).
-TEST(StationPath, IsATriangleWhereTurnsTakeNoTime) {
+// Triangle wave of amplitude 2 m: mean |d| 1 m, standard deviation 2 / sqrt(3) m.
+TEST(StationPath, IsTriangleWaveAtInfiniteAcceleration) {
   const Displacement ours =
       displacement_of(StationPath({.acceleration_m_s2 = 1e6}, PaperAxis::x), PaperAxis::x);
   EXPECT_NEAR(ours.mean_m, 1, 1e-4);

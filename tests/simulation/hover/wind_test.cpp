@@ -11,7 +11,7 @@ namespace stillkite {
 namespace {
 
 // 20 ft: L_u = 20 / 0.19346^1.2, sigma_u = sigma_w / 0.19346^0.4.
-TEST(DrydenWind, HasTheScalesOfTheSpecification) {
+TEST(DrydenWind, MatchesSpecificationScales) {
   const GustScales scales = dryden_scales({.mean_m_s = 8, .height_m = 20 * 0.3048});
   EXPECT_NEAR(scales.deviation_m_s.z(), 0.8, 1e-12);
   EXPECT_NEAR(scales.deviation_m_s.x(), 0.8 / std::pow(0.19346, 0.4), 1e-9);
@@ -19,8 +19,8 @@ TEST(DrydenWind, HasTheScalesOfTheSpecification) {
   EXPECT_NEAR(scales.time_s.y(), 20 * 0.3048 / std::pow(0.19346, 1.2) / 8, 1e-9);
 }
 
-// Variance and correlation of each component, for a fine and a coarse step.
-TEST(DrydenWind, HasTheVarianceAndCorrelationOfItsSpectra) {
+// Variance and autocorrelation of each component, for a small and a large step.
+TEST(DrydenWind, MatchesVarianceAndCorrelation) {
   const WindConfig config{.mean_m_s = 6, .towards_deg = 0, .height_m = 3};
   const GustScales scales = dryden_scales(config);
   for (const double step_s : {0.05, 0.4}) {
@@ -40,7 +40,7 @@ TEST(DrydenWind, HasTheVarianceAndCorrelationOfItsSpectra) {
         for (int k = lag; k < kSteps; ++k) sum += gusts[k][axis] * gusts[k - lag][axis];
         return sum / (kSteps - lag) / (sigma * sigma);
       };
-      // three deviations of the estimate from about duration / 2T independent pieces
+      // three standard deviations for about duration / 2T independent samples
       const double tolerance = 3 * std::sqrt(2 * 2 * T / (kSteps * step_s));
       EXPECT_NEAR(correlation_at(0), 1, tolerance) << axis;
       for (const int lag : {1, 5, 20, 60}) {
@@ -52,7 +52,7 @@ TEST(DrydenWind, HasTheVarianceAndCorrelationOfItsSpectra) {
   }
 }
 
-TEST(DrydenWind, BlowsWhereItIsToldAndIsTheSameForTheSameSeedOnly) {
+TEST(DrydenWind, HasConfiguredDirectionAndIsDeterministicInSeed) {
   DrydenWind even({.mean_m_s = 4, .towards_deg = 90, .gusts = false}, 1);
   even.step(1);
   EXPECT_LT((even.in_world_m_s() - Eigen::Vector3d(0, 4, 0)).norm(), 1e-12);
@@ -71,7 +71,7 @@ TEST(DrydenWind, BlowsWhereItIsToldAndIsTheSameForTheSameSeedOnly) {
   EXPECT_GT((one.in_world_m_s() - other.in_world_m_s()).norm(), 1e-3);
 }
 
-TEST(YawKicks, AddUpToTheirAnglesHoweverTimeIsCut) {
+TEST(YawKicks, SumToTheirAnglesForAnyStep) {
   const YawKickConfig config{.every_s = 10};
   const std::vector<YawKick> kicks = make_yaw_kicks(config, 105, 4);
   ASSERT_EQ(kicks.size(), 9u);
@@ -83,13 +83,12 @@ TEST(YawKicks, AddUpToTheirAnglesHoweverTimeIsCut) {
     EXPECT_GE(std::abs(kicks[k].angle_rad), 5 * kDegree);
     sum_rad += kicks[k].angle_rad;
   }
-  EXPECT_NEAR(kicked_between_rad(kicks, 0, 105), sum_rad, 1e-12);
-  double cut_rad = 0;
-  for (int k = 0; k < 21000; ++k) cut_rad += kicked_between_rad(kicks, k * 0.005, (k + 1) * 0.005);
-  EXPECT_NEAR(cut_rad, sum_rad, 1e-9);
-  // half a gust at half its time
-  EXPECT_NEAR(kicked_between_rad({{.at_s = 1, .duration_s = 2, .angle_rad = 0.3}}, 0, 2), 0.15,
-              1e-12);
+  EXPECT_NEAR(kick_yaw_rad(kicks, 0, 105), sum_rad, 1e-12);
+  double stepwise_rad = 0;
+  for (int k = 0; k < 21000; ++k) stepwise_rad += kick_yaw_rad(kicks, k * 0.005, (k + 1) * 0.005);
+  EXPECT_NEAR(stepwise_rad, sum_rad, 1e-9);
+  // half of a gust's angle at half of its duration
+  EXPECT_NEAR(kick_yaw_rad({{.at_s = 1, .duration_s = 2, .angle_rad = 0.3}}, 0, 2), 0.15, 1e-12);
   EXPECT_THROW((void)make_yaw_kicks({.largest_deg = 3}, 100, 1), InputError);
 }
 

@@ -8,7 +8,7 @@
 namespace stillkite {
 namespace {
 
-// Noise alone, in grey values, of an even image.
+// Noise of a uniform image, in grey values.
 cv::Mat noise_of(double deviation, std::uint64_t seed) {
   const cv::Mat even(500, 701, CV_32FC1, cv::Scalar(128));
   cv::Mat noise;
@@ -20,14 +20,14 @@ double correlation(const cv::Mat& a, const cv::Mat& b) {
   return a.dot(b) / std::sqrt(a.dot(a) * b.dot(b));
 }
 
-TEST(Develop, NoiseHasTheGivenDeviationAndGaussianShape) {
+TEST(Develop, NoiseHasConfiguredVarianceAndKurtosis) {
   const cv::Mat noise = noise_of(10, 5);
   const double count = static_cast<double>(noise.total());
   const double variance = noise.dot(noise) / count;
   const cv::Mat square = noise.mul(noise);
   EXPECT_NEAR(cv::sum(noise)[0] / count, 0, 4 * 10 / std::sqrt(count));
   EXPECT_NEAR(variance, 100 + 1.0 / 12, 1.0);
-  // kurtosis of a sum of eight uniforms: 3 - 1.2 / 8
+  // kurtosis of a sum of eight uniform variables: 3 - 1.2 / 8
   EXPECT_NEAR(square.dot(square) / count / (variance * variance), 2.85, 0.03);
 }
 
@@ -47,12 +47,12 @@ TEST(Develop, NoiseIsIndependentBetweenPixelsAndImages) {
   }
 }
 
-TEST(Develop, IsTheSameForTheSameSeed) {
+TEST(Develop, IsDeterministicInSeed) {
   EXPECT_EQ(cv::norm(noise_of(3, 9), noise_of(3, 9), cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(noise_of(3, 9), noise_of(3, 10), cv::NORM_INF), 0);
 }
 
-TEST(Develop, MultipliesByTheGainRoundsAndSaturates) {
+TEST(Develop, AppliesGainRoundsAndSaturates) {
   cv::Mat ramp(1, 301, CV_32FC1);
   for (int k = 0; k < ramp.cols; ++k) ramp.at<float>(0, k) = static_cast<float>(k) - 20.25F;
   const cv::Mat grey = develop(ramp, {.gain = 1.3}, 1);

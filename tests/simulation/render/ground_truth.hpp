@@ -9,8 +9,8 @@
 
 namespace stillkite::test {
 
-/// Ground point that a pixel sees, by bisection on the ray: slow, in double precision, and not the
-/// renderer's way. Nothing where the ray does not go down.
+/// Ground point of a pixel by bisection on the ray in double precision, independent of the
+/// renderer. Nullopt unless the ray points downwards.
 inline std::optional<Eigen::Vector3d> ground_point(const Camera& camera,
                                                    const RigidTransform& world_from_camera,
                                                    const Relief* relief,
@@ -35,7 +35,7 @@ inline std::optional<Eigen::Vector3d> ground_point(const Camera& camera,
 }
 
 inline Camera small_camera(DistortionModel model = DistortionModel::none) {
-  Camera camera{.width_px = 237,  // not a whole number of vectors
+  Camera camera{.width_px = 237,  // not a multiple of the vector length
                 .height_px = 160,
                 .focal_x_px = 170,
                 .focal_y_px = 168,

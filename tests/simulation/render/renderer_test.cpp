@@ -33,61 +33,62 @@ RigidTransform tilted(double yaw_deg, double pitch_deg, double roll_deg,
           position};
 }
 
-struct Look {
+struct ViewCase {
   const char* name;
   DistortionModel lens;
   bool relief;
   RigidTransform world_from_camera;
 };
 
-class EveryPixel : public testing::TestWithParam<Look> {};
+class GroundProjection : public testing::TestWithParam<ViewCase> {};
 
-// The pixel at the image of a ground point has the ground's grey there.
-TEST_P(EveryPixel, ShowsTheGroundPointThatProjectsToIt) {
-  const Look& look = GetParam();
-  const Camera camera = small_camera(look.lens);
+// A pixel has the grey value of its ground point.
+TEST_P(GroundProjection, MatchesGroundTexture) {
+  const ViewCase& view = GetParam();
+  const Camera camera = small_camera(view.lens);
   const double texel_m = 0.9;
   const Scene scene{
       .ground = smooth_ground(texel_m),
-      .relief = look.relief ? std::make_shared<Relief>(ReliefConfig{5, 50}, 3) : nullptr};
-  const cv::Mat image = Renderer(camera, 1).render(scene, look.world_from_camera);
+      .relief = view.relief ? std::make_shared<Relief>(ReliefConfig{5, 50}, 3) : nullptr};
+  const cv::Mat image = Renderer(camera, 1).render(scene, view.world_from_camera);
   Random random(11);
-  int seen = 0;
+  int compared = 0;
   for (int k = 0; k < 4000; ++k) {
     const int column = static_cast<int>(random.uniform(0, camera.width_px));
     const int row = static_cast<int>(random.uniform(0, camera.height_px));
-    const auto point = ground_point(camera, look.world_from_camera, scene.relief.get(),
+    const auto point = ground_point(camera, view.world_from_camera, scene.relief.get(),
                                     {double(column), double(row)});
     if (!point) continue;
-    const Eigen::Vector3d in_camera = look.world_from_camera.inverse() * *point;
+    const Eigen::Vector3d in_camera = view.world_from_camera.inverse() * *point;
     ASSERT_LT((*project(camera, in_camera) - Eigen::Vector2d(column, row)).norm(), 1e-6);
-    // farther away the renderer averages: another test's business
+    // distant ground is averaged
     const double footprint =
-        in_camera.z() * in_camera.z() / look.world_from_camera.translation.z() / 168.0 / texel_m;
+        in_camera.z() * in_camera.z() / view.world_from_camera.translation.z() / 168.0 / texel_m;
     if (footprint > 1) continue;
-    ++seen;
+    ++compared;
     ASSERT_NEAR(image.at<float>(row, column), scene.ground->grey_at(point->head<2>()),
-                look.relief ? 0.25 : 0.05)
+                view.relief ? 0.25 : 0.05)
         << "at " << column << ", " << row;
   }
-  EXPECT_GT(seen, 1000);
+  EXPECT_GT(compared, 1000);
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Renderer, EveryPixel,
+    Renderer, GroundProjection,
     testing::Values(
-        Look{"nadir", DistortionModel::none, false, tilted(0, 0, 0, {3, -8, 100})},
-        Look{"tilted", DistortionModel::none, false, tilted(30, 20, -15, {40, 25, 100})},
-        Look{"lens", DistortionModel::radial_tangential, false, tilted(-50, 5, 8, {1, 2, 90})},
-        Look{"fisheye", DistortionModel::equidistant, false, tilted(170, -8, 3, {0, 0, 90})},
-        // beyond the texture's borders, in its mirror image, far from the origin
-        Look{"mirrored", DistortionModel::none, false, tilted(70, -10, 5, {20345.6, -9876.5, 100})},
-        Look{"relief", DistortionModel::none, true, tilted(20, 10, 6, {10, 20, 100})},
-        Look{"relief_lens", DistortionModel::radial_tangential, true,
-             tilted(-20, 4, -6, {5012.3, -777.7, 110})}),
-    [](const auto& look) { return look.param.name; });
+        ViewCase{"nadir", DistortionModel::none, false, tilted(0, 0, 0, {3, -8, 100})},
+        ViewCase{"tilted", DistortionModel::none, false, tilted(30, 20, -15, {40, 25, 100})},
+        ViewCase{"lens", DistortionModel::radial_tangential, false, tilted(-50, 5, 8, {1, 2, 90})},
+        ViewCase{"fisheye", DistortionModel::equidistant, false, tilted(170, -8, 3, {0, 0, 90})},
+        // mirrored repetition of the texture, far from the origin
+        ViewCase{"mirrored", DistortionModel::none, false,
+                 tilted(70, -10, 5, {20345.6, -9876.5, 100})},
+        ViewCase{"relief", DistortionModel::none, true, tilted(20, 10, 6, {10, 20, 100})},
+        ViewCase{"relief_lens", DistortionModel::radial_tangential, true,
+                 tilted(-20, 4, -6, {5012.3, -777.7, 110})}),
+    [](const auto& view) { return view.param.name; });
 
-TEST(Renderer, AveragesTheSamplesOfAPixel) {
+TEST(Renderer, AveragesSamplesOfPixel) {
   const Camera camera = small_camera();
   const Scene scene{.ground = smooth_ground(0.9)};
   const RigidTransform pose = tilted(10, 5, -3, {0, 0, 100});
@@ -107,8 +108,8 @@ TEST(Renderer, AveragesTheSamplesOfAPixel) {
   }
 }
 
-// Two images of a plane differ by the homography H = dR + t n^T / h.
-TEST(Renderer, ImagesOfAPlaneAreRelatedByItsHomography) {
+// Homography between two images of a plane: H = dR + t n^T / h.
+TEST(Renderer, ImagesOfPlaneAreRelatedByHomography) {
   const Camera camera = small_camera();
   const Scene scene{.ground = smooth_ground(1.6)};
   const RigidTransform first = tilted(10, 5, -3, {0, 0, 100});
@@ -141,14 +142,14 @@ TEST(Renderer, ImagesOfAPlaneAreRelatedByItsHomography) {
   EXPECT_GT(rms_unwarped, 5);
 }
 
-TEST(Renderer, ShowsSkyAboveTheHorizonAndAveragesFarGround) {
+TEST(Renderer, RendersSkyAboveHorizonAndAveragesDistantGround) {
   const Camera camera = small_camera();
   cv::Mat checkers(256, 256, CV_8UC1);
   for (int v = 0; v < 256; ++v) {
     for (int u = 0; u < 256; ++u) checkers.at<std::uint8_t>(v, u) = (u + v) % 2 ? 200 : 40;
   }
   const Scene scene{.ground = std::make_shared<GroundTexture>(checkers, 0.2), .sky_grey = 230};
-  // the optical axis on the horizon: pitching nose down by -90 degrees turns the camera's eye level
+  // pitch of -90 degrees: horizontal optical axis
   const cv::Mat image = Renderer(camera, 2).render(scene, tilted(0, -90, 0, {0, 0, 50}));
   for (int column = 0; column < camera.width_px; column += 7) {
     for (int row = 0; row < 80; ++row) ASSERT_EQ(image.at<float>(row, column), 230.0F);
@@ -158,7 +159,7 @@ TEST(Renderer, ShowsSkyAboveTheHorizonAndAveragesFarGround) {
   }
 }
 
-TEST(Renderer, PaintsTheVehicleWhereItStands) {
+TEST(Renderer, RendersVehicleAtItsPosition) {
   const Camera camera = small_camera();
   const cv::Mat white(8, 16, CV_8UC1, cv::Scalar(255));
   const cv::Mat black(300, 300, CV_8UC1, cv::Scalar(0));
@@ -180,7 +181,7 @@ TEST(Renderer, PaintsTheVehicleWhereItStands) {
   }
 }
 
-TEST(Renderer, IsTheSameTwiceAndNearlySoWithoutWideVectors) {
+TEST(Renderer, IsDeterministicAndIndependentOfVectorWidth) {
   const Scene scene{.ground = smooth_ground(0.9),
                     .relief = std::make_shared<Relief>(ReliefConfig{3, 50}, 3)};
   const RigidTransform pose = tilted(20, 30, 6, {10, 20, 100});

@@ -7,8 +7,8 @@
 namespace stillkite {
 namespace {
 
-// Octaves of cells of 2, 4, ... 512, the finest at 0.7 of its amplitude.
-TEST(FractalNoise, IsTheSumOfItsOctaves) {
+// Octaves with cells of 2, 4, ... 512 texels; amplitude 0.7 for the finest, 1 for the others.
+TEST(FractalNoise, EqualsSumOfOctaves) {
   for (const cv::Size size : {cv::Size(301, 77), cv::Size(16, 700)}) {
     cv::Mat sum(size, CV_32FC1, cv::Scalar(0));
     for (int cell = 2, level = 1; cell <= 512; cell *= 2, ++level) {

@@ -21,48 +21,48 @@ const Camera kCamera{.width_px = 800,
                      .centre_x_px = 399.5,
                      .centre_y_px = 239.5};
 
-// Two metres over a station on a cart, tilted down by 15 degrees.
-RigidTransform start_pose() {
+// Initial camera pose of a trial: height 3 m, 15 degrees below the horizontal.
+RigidTransform initial_pose() {
   return RigidTransform{.translation = {0, 0, 3}} * camera_raised_forward(75);
 }
 
-cv::Mat photograph_of(const PatchScene& scene) {
-  return develop(PatchRenderer(kCamera, 2).render(scene, start_pose()), {.noise_grey = 2}, 1);
+cv::Mat noisy_image_of(const PatchScene& scene) {
+  return develop(PatchRenderer(kCamera, 2).render(scene, initial_pose()), {.noise_grey = 2}, 1);
 }
 
-int corners_in(const cv::Mat& image) {
+int corner_count(const cv::Mat& image) {
   std::vector<cv::Point2f> corners;
   cv::goodFeaturesToTrack(image, corners, 10000, 0.01, 2, {}, 3);
   return static_cast<int>(corners.size());
 }
 
-TEST(Scenes, HaveCornersToTrackAtTheStart) {
-  const cv::Mat room = photograph_of(make_room(1));
-  EXPECT_GT(corners_in(room), 1500);
+TEST(Scenes, HaveTrackableCornersInInitialView) {
+  const cv::Mat room = noisy_image_of(make_room(1));
+  EXPECT_GT(corner_count(room), 1500);
   for (int row = 0; row < 480; row += 80) {
     for (int column = 0; column < 800; column += 80) {
-      EXPECT_GT(corners_in(room(cv::Rect(column, row, 80, 80))), 10) << column << ", " << row;
+      EXPECT_GT(corner_count(room(cv::Rect(column, row, 80, 80))), 10) << column << ", " << row;
     }
   }
-  EXPECT_GT(corners_in(photograph_of(make_coast(1))), 1500);
+  EXPECT_GT(corner_count(noisy_image_of(make_coast(1))), 1500);
 }
 
-TEST(Scenes, AreTheSameForTheSameSeedOnlyAndHaveNoTwoImagesAlike) {
+TEST(Scenes, AreDeterministicInSeedWithDistinctTextures) {
   const PatchScene room = make_room(1);
-  const auto is_like = [](const Patch& a, const Patch& b) {
+  const auto has_same_texture = [](const Patch& a, const Patch& b) {
     return std::equal(a.texture->pairs(), a.texture->pairs() + 128, b.texture->pairs());
   };
   for (std::size_t k = 0; k < room.patches.size(); ++k) {
     for (std::size_t other = 0; other < k; ++other) {
-      ASSERT_FALSE(is_like(room.patches[k], room.patches[other])) << k << ", " << other;
+      ASSERT_FALSE(has_same_texture(room.patches[k], room.patches[other])) << k << ", " << other;
     }
   }
-  const cv::Mat image = photograph_of(room);
-  EXPECT_EQ(cv::norm(image, photograph_of(make_room(1)), cv::NORM_INF), 0);
-  EXPECT_GT(cv::norm(image, photograph_of(make_room(2)), cv::NORM_L1) / (800 * 480), 10);
+  const cv::Mat image = noisy_image_of(room);
+  EXPECT_EQ(cv::norm(image, noisy_image_of(make_room(1)), cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(image, noisy_image_of(make_room(2)), cv::NORM_L1) / (800 * 480), 10);
 }
 
-// From its middle a closed room has a wall in every direction, none farther than its corners.
+// From the centre, a closed room has a wall in every direction, not farther than its corners.
 TEST(Scenes, RoomIsClosedAndHasDepth) {
   const PatchScene room = make_room(1);
   double nearest_ahead_m = 1e9;
@@ -84,14 +84,14 @@ TEST(Scenes, RoomIsClosedAndHasDepth) {
   EXPECT_GT(farthest_ahead_m, 5.9);
 }
 
-// The sea ends in a horizon at eye level, where the sky begins.
-TEST(Scenes, CoastHasAHorizon) {
+// The sea extends to a horizon at camera height.
+TEST(Scenes, CoastHasHorizon) {
   const PatchScene coast = make_coast(1);
   const auto depth_towards = [&](double z) {
     return depth_at(coast, {{0, 0, 3}, Eigen::Vector3d(0.3, 1, z)});
   };
   EXPECT_NEAR(*depth_towards(-0.001), 3000, 1);
-  EXPECT_NEAR(*depth_towards(0.1), 4970, 1);  // the clouds, at 500 m
+  EXPECT_NEAR(*depth_towards(0.1), 4970, 1);  // clouds at 500 m
   EXPECT_FALSE(depth_towards(1e-6));
 }
 

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "geometry/fields.hpp"
+
+namespace stillkite {
+
+enum class HeightSource { none, range, barometer };
+template <>
+struct EnumNames<HeightSource> {
+  static constexpr auto value = std::to_array<std::pair<HeightSource, std::string_view>>(
+      {{HeightSource::none, "none"},
+       {HeightSource::range, "range"},
+       {HeightSource::barometer, "barometer"}});
+};
+
+struct TruthConfig {
+  std::optional<std::filesystem::path> path;
+  double ground_z_m = 0;
+
+  static void fields(auto& self, auto&& field) {
+    field("path", self.path,
+          "EuRoC or TUM trajectory; default: the data set's ground truth, if any");
+    field(
+        "ground_z_m", self.ground_z_m, Range{-1e5, 1e5},
+        "height of the ground plane in the truth's world; subtracted, so that the ground is z = 0");
+  }
+};
+
+struct InitialConfig {
+  bool from_truth = false;
+  std::optional<double> height_m;
+  double yaw_deg = 0;
+  double pitch_deg = 0;
+  double roll_deg = 0;
+
+  static void fields(auto& self, auto&& field) {
+    field("from_truth", self.from_truth,
+          "use the truth's pose at the first frame, instead of the following keys");
+    field("height_m", self.height_m, Range{.min = 0, .max = 1e5, .open_min = true},
+          "height of the body above ground; without any height, lengths are in initial heights");
+    field("yaw_deg", self.yaw_deg,
+          "initial yaw of the body, positive from the world's x to its y axis");
+    field("pitch_deg", self.pitch_deg, Range{-90, 90},
+          "initial pitch of the body, positive nose down");
+    field("roll_deg", self.roll_deg, Range{-180, 180},
+          "initial roll of the body, positive right side down");
+  }
+};
+
+struct HeightConfig {
+  HeightSource source = HeightSource::none;
+  std::optional<std::filesystem::path> path;
+
+  static void fields(auto& self, auto&& field) {
+    field("source", self.source,
+          "sensor type: range is the distance to the ground along the body's -z, barometer the "
+          "relative height");
+    field("path", self.path, "CSV: timestamp [ns] or [s], height [m]");
+  }
+};
+
+struct LogConfig {
+  std::optional<std::filesystem::path> path;
+
+  static void fields(auto& self, auto&& field) {
+    field("path", self.path,
+          "CSV, time stamp in the first column; without it the sensor is not used");
+  }
+};
+
+}  // namespace stillkite
