@@ -43,6 +43,11 @@ struct StampedPose {
 /// Angle between two vectors, in [0, pi] rad.
 [[nodiscard]] double angle_between_rad(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
+/// Rotation of the smallest angle that maps the direction of `a` to that of `b`; about any axis
+/// normal to `a` if they are opposite. Both are non-zero.
+[[nodiscard]] Eigen::Quaterniond rotation_between(const Eigen::Vector3d& a,
+                                                  const Eigen::Vector3d& b);
+
 /// Interpolated pose: translation linear, rotation slerp; ratio 0: `a`, ratio 1: `b`.
 [[nodiscard]] RigidTransform interpolate(const RigidTransform& a, const RigidTransform& b,
                                          double ratio);

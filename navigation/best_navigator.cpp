@@ -91,8 +91,7 @@ void BestNavigator::update_vertical(const NavigationEstimate& flow,
 }
 
 GravityAlignment BestNavigator::gravity_alignment(const Matrix6d& pose_covariance) const {
-  const Eigen::Quaterniond alignment =
-      Eigen::Quaterniond::FromTwoVectors(up_in_world_, Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond alignment = rotation_between(up_in_world_, Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d& initial_position = world_from_initial_->translation;
   return {.aligned_from_world = {alignment, initial_position - alignment * initial_position},
           .pose_covariance = rotate_covariance(pose_covariance, alignment),

@@ -36,8 +36,7 @@ double prediction_sigma_px(const Camera& camera, const MotionFilter& filter) {
 }
 
 NadirView nadir_view(const Camera& camera, const Eigen::Vector3d& normal) {
-  const Eigen::AngleAxisd levelling(
-      Eigen::Quaterniond::FromTwoVectors(normal, Eigen::Vector3d::UnitZ()));
+  const Eigen::AngleAxisd levelling(rotation_between(normal, Eigen::Vector3d::UnitZ()));
   NadirView out;
   out.view_from_camera =
       Eigen::AngleAxisd(std::min(levelling.angle(), kMaxTilt_rad), levelling.axis());
@@ -77,7 +76,7 @@ std::vector<PlaneMotion> motion_hypotheses(const ImageRegistration& registration
     const Eigen::Quaterniond rotation = so3_exp(registration.rotation_rad * n);
     out.push_back(in_camera(rotation, b_now / rho_now - rotation * b / rho));
   }
-  const Eigen::Quaterniond shift_rotation = Eigen::Quaterniond::FromTwoVectors(b, b_now);
+  const Eigen::Quaterniond shift_rotation = rotation_between(b, b_now);
   out.push_back(
       in_camera(shift_rotation * so3_exp(registration.rotation_rad * b.normalized()), {0, 0, 0}));
   return out;

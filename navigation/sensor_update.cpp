@@ -34,8 +34,8 @@ PoseEstimate with_attitude(const PoseEstimate& pose, const Eigen::Quaterniond& w
   const Eigen::Vector3d up_in_camera = world_from_camera.conjugate() * Eigen::Vector3d::UnitZ();
   PoseEstimate out = pose;
   for (const int axis : {0, 1}) {
-    const Eigen::Quaterniond tilt_error = Eigen::Quaterniond::FromTwoVectors(
-        out.world_from_camera.rotation * up_in_camera, Eigen::Vector3d::UnitZ());
+    const Eigen::Quaterniond tilt_error =
+        rotation_between(out.world_from_camera.rotation * up_in_camera, Eigen::Vector3d::UnitZ());
     out = kalman_update(out, 3 + axis, so3_log(tilt_error)(axis), sigma_rad);
   }
   return out;

@@ -190,8 +190,7 @@ Matrix6d FusionFilter::pose_covariance() const {
 }
 
 RigidTransform FusionFilter::aligned_from_world() const {
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(up(state_), Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond turn = rotation_between(up(state_), Eigen::Vector3d::UnitZ());
   return {turn, start_m_ - turn * start_m_};
 }
 

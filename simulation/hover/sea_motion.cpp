@@ -116,8 +116,7 @@ StationState station_on_boat(const StationState& on_land, const SeaConfig& confi
 
   StationState out = on_land;
   const Eigen::Vector3d up(-rise.factor * water.slope.x(), -rise.factor * water.slope.y(), 1);
-  out.world_from_station.rotation =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up) * pose.rotation;
+  out.world_from_station.rotation = rotation_between(Eigen::Vector3d::UnitZ(), up) * pose.rotation;
   out.world_from_station.translation += rise.factor * water.displacement_in_world_m;
   out.world_from_station.translation.head<2>() += rise.integral_s * drift_m_s;
   out.velocity_in_world_m_s +=

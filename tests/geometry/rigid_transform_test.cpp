@@ -120,5 +120,19 @@ TEST(Interpolate, IsLinearInTranslationAndAngle) {
   EXPECT_NEAR(angle_between_rad(interpolate(a, b, 1).rotation, b.rotation), 0.0, 1e-15);
 }
 
+TEST(RotationBetween, MapsOneDirectionToTheOtherByTheSmallestAngle) {
+  const Eigen::Vector3d a(1, 2, -3);
+  const Eigen::Vector3d b(0.5, -1, 4);
+  const Eigen::Quaterniond rotation = rotation_between(a, b);
+  EXPECT_LT((rotation * a.normalized() - b.normalized()).norm(), 1e-15);
+  EXPECT_NEAR(so3_log(rotation).norm(), angle_between_rad(a, b), 1e-15);
+  EXPECT_LT((rotation.coeffs() - Eigen::Quaterniond::FromTwoVectors(a, b).coeffs()).norm(), 1e-15);
+}
+
+TEST(RotationBetween, RotatesByHalfATurnBetweenOppositeDirections) {
+  const Eigen::Vector3d a(1, 2, -3);
+  EXPECT_LT((rotation_between(a, -2 * a) * a + a).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace stillkite
