@@ -20,6 +20,7 @@
 #include "app/results_folder.hpp"
 #include "app/run_evaluation.hpp"
 #include "app/run_results.hpp"
+#include "app/run_warnings.hpp"
 #include "app/variants.hpp"
 #include "io/config/config_printing.hpp"
 #include "io/report/comparison_report.hpp"

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <optional>
@@ -80,17 +81,5 @@ void finish_files(std::span<EstimatorRun> runs, RunOutcome& outcome);
 
 /// Throws InputError if navigator.readout_s is set but image rows are not sensor rows.
 void check_row_times(const FrameSource& source, const RunConfig& config);
-
-/// Warns of a missing metric scale, of no ground in the initial view, of rejected IMU readings and
-/// of inputs that an estimator does not use. Prints each message once for all estimators.
-void report_input_warnings(std::span<const EstimatorRun> runs);
-
-/// Warns of an inconsistency between images and gyroscope, else of an initial attitude error.
-void report_inconsistencies(const EstimatorRun& run);
-
-/// Reports problems of the source, logs and truth that do not cover the flight, static overlays
-/// outside the mask, and the results folder of a run that stopped early.
-void report_outcome(const RunOutcome& outcome, std::span<const EstimatorRun> runs,
-                    const std::filesystem::path& out);
 
 }  // namespace stillkite

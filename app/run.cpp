@@ -12,6 +12,7 @@
 #include "app/options.hpp"
 #include "app/results_folder.hpp"
 #include "app/run_results.hpp"
+#include "app/run_warnings.hpp"
 #include "io/results/json_text.hpp"
 #include "io/results/part_file.hpp"
 

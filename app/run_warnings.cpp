@@ -1,0 +1,178 @@
+#include "app/run_warnings.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/interrupt.hpp"
+#include "app/run_evaluation.hpp"
+#include "geometry/angle.hpp"
+#include "geometry/euler.hpp"
+#include "io/dataset/gyro_check.hpp"
+#include "io/dataset/sensor_checks.hpp"
+
+namespace stillkite {
+namespace {
+
+using Messages = std::vector<std::string>;
+
+// One message per sensor log or truth that does not cover the flight.
+Messages uncovered_sensors(const EstimatorRun& run) {
+  if (run.estimates().empty()) return {};
+  const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
+  Messages messages = coverage_warnings(run.inputs().sensors, first, last);
+  const std::vector<StampedPose>& truth = run.inputs().truth;
+  if (truth.empty()) return messages;
+  const std::int64_t matched = frames_with_truth(run.inputs(), run.estimates());
+  if (matched >= kMinEvaluatedFrames) return messages;
+  messages.push_back(fmt::format(
+      "truth: poses at only {} images, no evaluation; it covers {:.3f} s to {:.3f} s, the images "
+      "{:.3f} s to {:.3f} s; check that both use the same clock",
+      matched, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
+      to_seconds(last)));
+  return messages;
+}
+
+std::optional<std::string> missing_scale(const FlightInputs& inputs) {
+  if (inputs.initial.scale != ScaleSource::none) return std::nullopt;
+  return fmt::format(
+      "no metric scale: lengths are in initial heights over the ground; set initial.height_m{}",
+      inputs.sensors.imu.stamps.empty()
+          ? ""
+          : "; with estimator.policy=fused in metres once the column scale is imu");
+}
+
+std::optional<std::string> no_ground_in_view(const FlightInputs& inputs) {
+  const Camera& camera = inputs.camera;
+  const Eigen::Vector3d up =
+      (inputs.initial.world_from_body.rotation * inputs.body_from_camera.rotation).conjugate() *
+      Eigen::Vector3d::UnitZ();
+  for (const double x : {0, camera.width_px - 1}) {
+    for (const double y : {0, camera.height_px - 1}) {
+      const auto point = undistort(camera, {x, y});
+      if (!point || point->homogeneous().dot(up) < 0) return std::nullopt;
+    }
+  }
+  return fmt::format(
+      "no ground in the initial view: mount and attitude point the camera {:.0f} deg above the "
+      "horizon; check mount.down_deg or the calibration's mount, initial.roll_deg and "
+      "initial.pitch_deg",
+      std::atan2(up.z(), up.head<2>().norm()) / kDegree);
+}
+
+Messages input_warnings(const EstimatorRun& run) {
+  Messages messages;
+  if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
+  if (const auto message = no_ground_in_view(run.inputs())) messages.push_back(*message);
+  if (const std::size_t rejected = run.inputs().sensors.rejected_imu_readings; rejected > 0) {
+    messages.push_back(fmt::format(
+        "imu.path: rejected {} of {} readings: all zero, or outliers to both neighbours", rejected,
+        rejected + run.inputs().sensors.imu.stamps.size()));
+  }
+  if (run.config().acceleration.path && run.config().estimator.mode_in_use() != Mode::paper) {
+    messages.emplace_back("acceleration.path: used only by estimator.mode=paper");
+  }
+  if (run.inputs().mask && run.config().estimator.mode_in_use() == Mode::paper &&
+      run.config().estimator.policy != Policy::reference) {
+    messages.emplace_back("calibration.mask_path: not used by the flow of estimator.mode=paper");
+  }
+  return messages;
+}
+
+// Prints a message that several estimators share once.
+void report_once(std::span<const EstimatorRun> runs, Messages (*messages_of)(const EstimatorRun&)) {
+  std::set<std::string> printed;
+  for (const EstimatorRun& run : runs) {
+    for (const std::string& message : messages_of(run)) {
+      if (printed.insert(message).second) fmt::print(stderr, "stillkite: {}\n", message);
+    }
+  }
+}
+
+// Detected overlays and airframe outside the configured mask.
+Messages static_overlay_warnings(const EstimatorRun& run) {
+  double max_ratio = 0;
+  for (const NavigationEstimate& e : run.estimates()) {
+    max_ratio = std::max(max_ratio, e.masked_ratio);
+  }
+  const double detected = max_ratio - (run.inputs().mask ? run.inputs().mask->masked_ratio() : 0);
+  if (!(detected > 0)) return {};
+  return {fmt::format(
+      "{:.2g} % of the image is static (text overlay or airframe in view) and is masked since its "
+      "detection; calibration.mask_path masks it from the first frame",
+      100 * detected)};
+}
+
+// Rotations between consecutive frames that the reference estimator has measured.
+std::vector<ObservedRotation> measured_rotations(const EstimatorRun& run) {
+  std::vector<ObservedRotation> out;
+  std::optional<Timestamp> previous;
+  for (const NavigationEstimate& estimate : run.estimates()) {
+    if (previous && estimate.reference && estimate.reference->measured_rate_in_camera_rad_s) {
+      out.push_back({*previous, estimate.stamp,
+                     seconds_between(*previous, estimate.stamp) *
+                         (run.inputs().body_from_camera.rotation *
+                          *estimate.reference->measured_rate_in_camera_rad_s)});
+    }
+    previous = estimate.stamp;
+  }
+  return out;
+}
+
+void report_initial_attitude_error(const EstimatorRun& run) {
+  if (!run.gravity_alignment()) return;
+  constexpr double kMinReported_rad = 2 * kDegree;
+  const Eigen::Quaterniond& aligned_from_world =
+      run.gravity_alignment()->aligned_from_world.rotation;
+  const double error_rad = so3_log(aligned_from_world).norm();
+  if (error_rad < std::max(kMinReported_rad, 3 * run.gravity_alignment()->sigma_rad)) return;
+  const EulerAngles estimated =
+      to_euler(aligned_from_world * run.inputs().initial.world_from_body.rotation);
+  const bool is_by_truth = run.config().initial.from_truth;
+  const char* source = is_by_truth                  ? "the truth's first pose"
+                       : run.config().attitude.path ? "attitude.path"
+                                                    : "initial.roll_deg, initial.pitch_deg";
+  fmt::print(stderr,
+             "stillkite: initial attitude disagrees with gravity by {:.1f} deg (estimated roll "
+             "{:.1f}, pitch {:.1f} deg); source: {}; poses of {}: {}\n",
+             error_rad / kDegree, estimated.roll_rad / kDegree, estimated.pitch_rad / kDegree,
+             source, name_of(run.config().estimator.policy),
+             is_by_truth ? "in the truth's world, not aligned" : "gravity-aligned");
+}
+
+}  // namespace
+
+void report_input_warnings(std::span<const EstimatorRun> runs) {
+  report_once(runs, input_warnings);
+}
+
+void report_inconsistencies(const EstimatorRun& run) {
+  if (const auto inconsistency = gyro_inconsistency(run.inputs().sensors.angular_rate_in_body_rad_s,
+                                                    measured_rotations(run))) {
+    fmt::print(stderr, "stillkite: {}: {}\n", run.config().imu.path ? "imu.path" : "gyro.path",
+               *inconsistency);
+    return;
+  }
+  report_initial_attitude_error(run);
+}
+
+void report_outcome(const RunOutcome& outcome, std::span<const EstimatorRun> runs,
+                    const std::filesystem::path& out) {
+  // main() reports the message of a failure
+  if (outcome.problem && !outcome.failure) {
+    fmt::print(stderr, "stillkite: {}\n", *outcome.problem);
+  }
+  report_once(runs, uncovered_sensors);
+  report_once(runs, static_overlay_warnings);
+  if (outcome.failure || interrupted()) {
+    fmt::print(stderr, "stillkite: stopped after {} frames; their results are in {}\n",
+               runs.front().estimates().size(), out.string());
+  }
+}
+
+}  // namespace stillkite
