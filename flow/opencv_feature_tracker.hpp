@@ -4,7 +4,7 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
-#include "flow/feature_tracker.hpp"
+#include "flow/feature_tracks.hpp"
 #include "geometry/fields.hpp"
 
 namespace stillkite {

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <vector>
 
 #include "estimation/two_view/relative_pose.hpp"
-#include "flow/feature_tracker.hpp"
+#include "flow/feature_tracks.hpp"
 #include "geometry/camera.hpp"
 #include "navigation/weighted_flow.hpp"
 
