@@ -1,0 +1,96 @@
+#include "io/dataset/flight_camera.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/mat.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "geometry/angle.hpp"
+
+namespace stillkite {
+namespace {
+
+Calibration calibration_of(const CameraConfig& config) {
+  Camera camera{.width_px = config.width_px,
+                .height_px = config.height_px,
+                .focal_x_px = config.focal_x_px,
+                .focal_y_px = config.focal_y_px,
+                .centre_x_px = config.centre_x_px,
+                .centre_y_px = config.centre_y_px,
+                .distortion = config.distortion};
+  if (const auto wrong = coefficient_mismatch(config.distortion, config.coefficients.size())) {
+    throw InputError("calibration.camera.coefficients: " + *wrong);
+  }
+  std::copy(config.coefficients.begin(), config.coefficients.end(), camera.coefficients.begin());
+  check_camera(camera, "calibration.camera");
+  return {.camera = camera};
+}
+
+// R = [-y_B, -s x_B - c z_B, c x_B - s z_B], c = cos(down), s = sin(down): no roll.
+Eigen::Quaterniond body_from_camera_looking_down(double down_deg) {
+  const double c = std::cos(down_deg * kDegree);
+  const double s = std::sin(down_deg * kDegree);
+  Eigen::Matrix3d R;
+  R.col(0) << 0, -1, 0;
+  R.col(1) << -s, 0, -c;
+  R.col(2) << c, 0, -s;
+  return Eigen::Quaterniond(R);
+}
+
+}  // namespace
+
+Calibration find_calibration(const RunConfig& config, const std::optional<EurocDataset>& dataset,
+                             const cv::Size& size) {
+  if (config.calibration.path && config.calibration.camera) {
+    throw InputError("calibration.path and calibration.camera are both set; keep one");
+  }
+  std::string origin = "calibration.camera";
+  Calibration found;
+  if (config.calibration.camera) {
+    found = calibration_of(*config.calibration.camera);
+  } else if (config.calibration.path || (dataset && dataset->calibration)) {
+    const auto file = config.calibration.path ? *config.calibration.path : *dataset->calibration;
+    origin = file.string();
+    found = read_calibration(file);
+  } else {
+    throw InputError(config.source.path.string() +
+                     ": no calibration found; set calibration.path or calibration.camera");
+  }
+  if (found.camera.width_px != size.width || found.camera.height_px != size.height) {
+    throw InputError(fmt::format(
+        "{}: calibration of {}x{} images, but {} has {}x{}; give the calibration of this "
+        "resolution",
+        origin, found.camera.width_px, found.camera.height_px, config.source.path.string(),
+        size.width, size.height));
+  }
+  return found;
+}
+
+RigidTransform mount_of(const MountConfig& mount, const Calibration& calibration) {
+  const Eigen::Vector3d position = Eigen::Vector3d::Map(mount.position_m.data());
+  if (mount.rotation_wxyz) {
+    if (mount.down_deg) {
+      throw InputError("mount.down_deg and mount.rotation_wxyz are both set; keep one");
+    }
+    const auto& [w, x, y, z] = *mount.rotation_wxyz;
+    const Eigen::Quaterniond q(w, x, y, z);
+    if (!(std::abs(q.norm() - 1.0) < 0.01)) {
+      throw InputError(fmt::format("mount.rotation_wxyz: the norm is {:.4g}, must be 1", q.norm()));
+    }
+    return {q.normalized(), position};
+  }
+  if (!mount.down_deg && calibration.body_from_camera) {
+    if (!position.isZero(0)) {
+      throw InputError(
+          "mount.position_m: the calibration has extrinsics; set mount.down_deg or "
+          "mount.rotation_wxyz to replace them, or remove mount.position_m");
+    }
+    return *calibration.body_from_camera;
+  }
+  return {body_from_camera_looking_down(mount.down_deg.value_or(90.0)), position};
+}
+
+}  // namespace stillkite

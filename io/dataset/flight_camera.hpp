@@ -1,0 +1,22 @@
+#pragma once
+
+#include <opencv2/core/types.hpp>
+#include <optional>
+
+#include "io/config/run_config.hpp"
+#include "io/dataset/calibration.hpp"
+#include "io/dataset/euroc_dataset.hpp"
+
+namespace stillkite {
+
+/// Calibration of the configuration, else of the data set. Throws InputError without one, with two,
+/// and if its size differs from the images'.
+[[nodiscard]] Calibration find_calibration(const RunConfig& config,
+                                           const std::optional<EurocDataset>& dataset,
+                                           const cv::Size& size);
+
+/// body_from_camera of the configuration, else of the calibration, else looking down. Throws
+/// InputError on contradictory keys and a quaternion that is not of unit norm.
+[[nodiscard]] RigidTransform mount_of(const MountConfig& mount, const Calibration& calibration);
+
+}  // namespace stillkite

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "geometry/time.hpp"
+#include "io/config/run_config.hpp"
+#include "io/dataset/sensor_log.hpp"
+#include "navigation/sensor_readings.hpp"
+
+namespace stillkite {
+
+/// Reads the sensor logs of the configuration. Throws InputError on an invalid file, contradictory
+/// keys, and a log without a valid reading.
+[[nodiscard]] SensorLog read_sensors(const RunConfig& config);
+
+/// Throws InputError if the specific forces or the range at the first frame contradict the initial
+/// state. Adds the offset of a barometer to the initial height.
+void reconcile_with_initial_state(const RunConfig& config, const InitialState& initial,
+                                  Timestamp first, SensorLog& sensors);
+
+}  // namespace stillkite
