@@ -14,7 +14,6 @@
 #include "app/comparison_results.hpp"
 #include "app/comparison_table.hpp"
 #include "app/estimator_run.hpp"
-#include "app/exit_code.hpp"
 #include "app/interrupt.hpp"
 #include "app/options.hpp"
 #include "app/results_folder.hpp"

@@ -11,7 +11,6 @@
 #include <thread>
 
 #include "app/commands.hpp"
-#include "app/exit_code.hpp"
 #include "app/hover_comparison.hpp"
 #include "app/hover_estimates.hpp"
 #include "app/hover_report_trials.hpp"

@@ -8,4 +8,7 @@ void catch_interrupts();
 
 [[nodiscard]] bool interrupted();
 
+/// Thrown by a subcommand after Ctrl-C, once its results so far are written.
+struct Interrupted {};
+
 }  // namespace stillkite

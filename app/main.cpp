@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "app/commands.hpp"
-#include "app/exit_code.hpp"
 #include "app/interrupt.hpp"
 #include "geometry/fields.hpp"
 
 namespace {
 
-using stillkite::ExitCode;
+/// Exit status of the command.
+enum class ExitCode { done = 0, failed = 1, wrong_input = 2, interrupted = 130 };
 
 ExitCode fail(ExitCode code, const char* message) {
   std::fprintf(stderr, "stillkite: %s\n", message);

@@ -7,7 +7,6 @@
 
 #include "app/commands.hpp"
 #include "app/estimator_run.hpp"
-#include "app/exit_code.hpp"
 #include "app/interrupt.hpp"
 #include "app/options.hpp"
 #include "app/results_folder.hpp"

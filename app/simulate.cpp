@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "app/commands.hpp"
-#include "app/exit_code.hpp"
 #include "app/flight_files.hpp"
 #include "app/interrupt.hpp"
 #include "app/options.hpp"

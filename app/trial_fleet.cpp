@@ -4,7 +4,6 @@
 #include <numeric>
 #include <thread>
 
-#include "app/exit_code.hpp"
 #include "app/hover_report_trials.hpp"
 #include "app/interrupt.hpp"
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/fields.hpp"
+#include "geometry/median.hpp"
 
 namespace stillkite {
 
@@ -57,5 +58,20 @@ struct RobustWeight {
 
 /// Median of the Rayleigh distribution, sqrt(2 ln 2): length of two standard normal components.
 inline constexpr double kRayleighMedian = 1.1774100225154747;
+
+/// Robust standard deviation of inliers: `sigma_of_median` times the median of the distances below
+/// `threshold`. Returns 0 without inliers.
+///
+/// `sigma_of_median`: 1.4826 for distances of one component, 0.8493 for those of two.
+[[nodiscard]] inline double inlier_scale(const std::vector<float>& distances, double threshold,
+                                         double sigma_of_median) {
+  std::vector<float> inliers;
+  inliers.reserve(distances.size());
+  for (const float d : distances) {
+    if (d < threshold) inliers.push_back(d);
+  }
+  if (inliers.empty()) return 0;
+  return sigma_of_median * static_cast<double>(upper_median(inliers));
+}
 
 }  // namespace stillkite

@@ -5,8 +5,7 @@
 
 #include "estimation/fusion/error_state.hpp"
 #include "estimation/two_view/ground_relief.hpp"
-#include "navigation/motion_from_initial.hpp"
-#include "navigation/motion_from_pose.hpp"
+#include "navigation/motion_conversion.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {

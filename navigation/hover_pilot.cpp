@@ -1,6 +1,6 @@
 #include "navigation/hover_pilot.hpp"
 
-#include "navigation/motion_from_initial.hpp"
+#include "navigation/motion_conversion.hpp"
 
 namespace stillkite {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "estimation/two_view/relative_pose_estimator.hpp"
 #include "navigation/assumptions.hpp"
-#include "navigation/motion_from_pose.hpp"
+#include "navigation/motion_conversion.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {

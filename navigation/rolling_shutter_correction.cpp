@@ -1,6 +1,6 @@
 #include "navigation/rolling_shutter_correction.hpp"
 
-#include "geometry/row_time.hpp"
+#include "geometry/camera.hpp"
 
 namespace stillkite {
 

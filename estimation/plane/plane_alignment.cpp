@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/row_time.hpp"
+#include "geometry/camera.hpp"
 
 namespace stillkite {
 namespace {

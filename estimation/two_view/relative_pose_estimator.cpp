@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/residual_scale.hpp"
 #include "estimation/robust_kernel.hpp"
 #include "estimation/two_view/essential_decomposition.hpp"
 #include "estimation/two_view/essential_ransac.hpp"

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "geometry/row_time.hpp"
+#include "geometry/camera.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/flight/vehicle_path.hpp"
 #include "simulation/random.hpp"

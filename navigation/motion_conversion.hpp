@@ -2,6 +2,8 @@
 
 #include "estimation/motion_estimate.hpp"
 #include "estimation/two_view/relative_pose.hpp"
+#include "geometry/rigid_transform.hpp"
+#include "navigation/navigation_estimate.hpp"
 
 namespace stillkite {
 
@@ -11,5 +13,11 @@ namespace stillkite {
 
 /// Inverse of `motion_from_pose`, without covariance; the displacement keeps its scale.
 [[nodiscard]] RelativePose pose_from_motion(const MotionEstimate& motion);
+
+/// Camera motion since the initial camera pose. With a scale the displacement is metric, otherwise
+/// of unknown kind and in initial heights.
+[[nodiscard]] MotionEstimate motion_from_initial(const NavigationEstimate& estimate,
+                                                 const RigidTransform& world_from_initial,
+                                                 const RigidTransform& body_from_camera);
 
 }  // namespace stillkite
