@@ -30,11 +30,21 @@ function(stillkite_compile_options TARGET)
   endif()
 endfunction()
 
-# stillkite_test(NAME SOURCES ... LINK ...): one GoogleTest program, its cases found by ctest.
+# stillkite_test(NAME SOURCES ... LINK ... [SLOW filter ...]): one GoogleTest program, its cases found
+# by ctest. Cases that match a filter of SLOW (Suite.Test, * allowed) take over five seconds in a
+# release build; they get the label `slow`, which sanitizer runs exclude.
 function(stillkite_test NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SLOW" ${ARGN})
   add_executable(${NAME} ${ARG_SOURCES})
   target_link_libraries(${NAME} PRIVATE ${ARG_LINK} GTest::gtest GTest::gtest_main)
   stillkite_compile_options(${NAME})
-  gtest_discover_tests(${NAME} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  list(JOIN ARG_SLOW ":" slow)
+  if(slow)
+    gtest_discover_tests(${NAME} TEST_FILTER "-${slow}" TEST_LIST ${NAME}_FAST
+                         DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+    gtest_discover_tests(${NAME} TEST_FILTER "${slow}" TEST_LIST ${NAME}_SLOW
+                         DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS slow)
+  else()
+    gtest_discover_tests(${NAME} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  endif()
 endfunction()

@@ -27,3 +27,9 @@ build() {
   say "building build/$1"
   cmake --build --preset "$@"
 }
+
+# changed_sources COUNT: the COUNT existing .cpp files that the latest commits changed.
+changed_sources() {
+  git log --format= --name-only --diff-filter=d -n 200 -- '*.cpp' | awk '!seen[$0]++' |
+    while read -r file; do if [[ -f $file ]]; then echo "$file"; fi; done | head -n "$1" || true
+}
