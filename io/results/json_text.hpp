@@ -6,8 +6,8 @@
 namespace stillkite {
 
 /// Indented JSON; bytes that are not UTF-8, such as in file names, are replaced.
-[[nodiscard]] inline std::string json_text(const nlohmann::json& json) {
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+[[nodiscard]] inline std::string json_text(const nlohmann::json& value) {
+  return value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace stillkite

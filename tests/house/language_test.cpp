@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -13,23 +14,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = STILLKITE_SOURCE_DIR;
+const fs::path kProject = STILLKITE_SOURCE_DIR;
 
 // Words without a technical use in this project, and former names. Terms: docs/notation.md.
 constexpr std::array<const char*, 33> kRetired{
-    "told",         "tells",      "alike",         "lest",          "feign",
-    "feigns",       "befell",     "mends",         "off by",        "gone through again",
-    "take_turn",    "take_rate",  "take_readings", "see_ground",    "see_landmarks",
-    "may_be_home",  "is_back",    "is_home",       "told_upright",  "those_that_are_numbers",
-    "FixtureFinder", "passers",   "HoverInbox",    "OwnMotion",     "what_does_not_cover",
-    "turn_to_way",  "kMost",      "kFewest",       "kAlike",        "kKnown",
-    "kEnough",      "picture",    "pictures"};
+    "told",          "tells",     "alike",         "lest",         "feign",
+    "feigns",        "befell",    "mends",         "off by",       "gone through again",
+    "take_turn",     "take_rate", "take_readings", "see_ground",   "see_landmarks",
+    "may_be_home",   "is_back",   "is_home",       "told_upright", "those_that_are_numbers",
+    "FixtureFinder", "passers",   "HoverInbox",    "OwnMotion",    "what_does_not_cover",
+    "turn_to_way",   "kMost",     "kFewest",       "kAlike",       "kKnown",
+    "kEnough",       "picture",   "pictures"};
 
 // The fused estimator and its documents are replaced as a whole; renamed keys name the old ones.
 bool is_exempt(const std::string& file) {
-  for (const char* part : {"fusion", "fused", "docs/landmarks.md", "docs/reports/", "landmark",
-                           "io/config/renamed_keys", "tests/house/language_test.cpp",
-                           "CHANGELOG.md"}) {
+  for (const char* part :
+       {"fusion", "fused", "docs/landmarks.md", "docs/reports/", "landmark",
+        "io/config/renamed_keys", "tests/house/language_test.cpp", "CHANGELOG.md"}) {
     if (file.find(part) != std::string::npos) return true;
   }
   return false;
@@ -69,8 +70,8 @@ TEST(Language, NoFileUsesARetiredWord) {
   for (const char* folder :
        {"app", "bench", "configs", "docs", "estimation", "evaluation", "examples", "flow",
         "geometry", "io", "navigation", "scripts", "simulation", "stabilization", "tests"}) {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kRoot / folder)) {
-      const std::string name = fs::relative(entry.path(), kRoot).string();
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kProject / folder)) {
+      const std::string name = fs::relative(entry.path(), kProject).string();
       if (!entry.is_regular_file() || !is_text(entry.path()) || is_exempt(name)) continue;
       ++files;
       std::ifstream text(entry.path());

@@ -8,26 +8,29 @@ namespace stillkite {
 namespace {
 
 const TranslationYaw kCommand(0.2, -0.1, 0.05, 0.3);
-constexpr double kLag_s = 0.5;
+constexpr double kVelocityLag_s = 0.5;
 
 TEST(VelocityModel, StepResponseIsFirstOrderLag) {
-  VelocityModel model(kLag_s);
+  VelocityModel model(kVelocityLag_s);
   model.advance({});
   model.set_command(kCommand);
   for (int k = 1; k <= 60; ++k) {
     model.advance(from_seconds(0.03 * k));
     const double t = 0.03 * k;
-    const double response = 1 - std::exp(-t / kLag_s);
+    const double response = 1 - std::exp(-t / kVelocityLag_s);
     ASSERT_LT((model.rate() - kCommand * response).norm(), 1e-9);
-    ASSERT_LT((model.displacement_since({}) - kCommand * (t - kLag_s * response)).norm(), 1e-9);
+    ASSERT_LT((model.displacement_since({}) - kCommand * (t - kVelocityLag_s * response)).norm(),
+              1e-9);
   }
   // linear interpolation between instants: error at most dt^2 / 8 x acceleration
   const double since_s = 1.0;
-  const auto displacement = [](double t) { return t - kLag_s * (1 - std::exp(-t / kLag_s)); };
+  const auto displacement = [](double t) {
+    return t - kVelocityLag_s * (1 - std::exp(-t / kVelocityLag_s));
+  };
   EXPECT_LT((model.displacement_since(from_seconds(since_s)) -
              kCommand * (displacement(1.8) - displacement(1.0)))
                 .norm(),
-            0.03 * 0.03 / 8 * kCommand.norm() / kLag_s);
+            0.03 * 0.03 / 8 * kCommand.norm() / kVelocityLag_s);
 }
 
 TEST(VelocityModel, DisplacementIsLimitedToTheHistory) {
@@ -40,7 +43,7 @@ TEST(VelocityModel, DisplacementIsLimitedToTheHistory) {
 }
 
 TEST(VelocityModel, DoesNotMoveWithoutElapsedTime) {
-  VelocityModel model(kLag_s);
+  VelocityModel model(kVelocityLag_s);
   EXPECT_EQ(model.displacement_since({}).norm(), 0);
   model.advance(from_seconds(1));
   model.set_command(kCommand);

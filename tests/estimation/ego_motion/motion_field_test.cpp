@@ -9,7 +9,7 @@
 namespace stillkite {
 namespace {
 
-constexpr double kStep_s = 1e-5;
+constexpr double kDifferenceStep_s = 1e-5;
 
 // Image of a static point after the camera has moved with the twist for t_s.
 Eigen::Vector2d projection_after(const Twist& twist, const Eigen::Vector3d& point_in_camera,
@@ -37,9 +37,9 @@ TEST(MotionField, IsDerivativeOfProjectionAtAnyAttitude) {
     if (rho > 0) ++below_horizon;
     // above the horizon: point at infinity
     const Eigen::Vector3d point = bearing.homogeneous() / (rho > 0 ? rho : 1e-12);
-    const Eigen::Vector2d derivative =
-        (projection_after(twist, point, kStep_s) - projection_after(twist, point, -kStep_s)) /
-        (2 * kStep_s);
+    const Eigen::Vector2d derivative = (projection_after(twist, point, kDifferenceStep_s) -
+                                        projection_after(twist, point, -kDifferenceStep_s)) /
+                                       (2 * kDifferenceStep_s);
     const Eigen::Vector2d linear = motion_field(ground, bearing) * twist.vector();
     EXPECT_LT((linear - derivative).norm(), 1e-6 * (1 + linear.norm())) << "trial " << trial;
   }
@@ -59,9 +59,9 @@ TEST(MotionField, InPixelsIsDerivativeOfDistortedProjection) {
       const double rho = inverse_depth(scene.ground(), bearing);
       const Eigen::Vector3d point = bearing.homogeneous() / rho;
       const Eigen::Vector2d derivative =
-          (distort(scene.camera, projection_after(twist, point, kStep_s)).pixel -
-           distort(scene.camera, projection_after(twist, point, -kStep_s)).pixel) /
-          (2 * kStep_s);
+          (distort(scene.camera, projection_after(twist, point, kDifferenceStep_s)).pixel -
+           distort(scene.camera, projection_after(twist, point, -kDifferenceStep_s)).pixel) /
+          (2 * kDifferenceStep_s);
       const Eigen::Vector2d linear =
           motion_field_px(scene.camera, scene.ground(), bearing) * twist.vector();
       EXPECT_LT((linear - derivative).norm(), 1e-5 * (1 + linear.norm()));

@@ -27,7 +27,7 @@ Gains closed_form(double lambda) {
   return {1 - s * s, lambda * s};
 }
 
-constexpr double kStep_s = 0.04;
+constexpr double kFramePeriod_s = 0.04;
 constexpr MotionFilterConfig kConfig{.acceleration_density = 0.5,
                                      .angular_acceleration_density = 0.2};
 
@@ -40,7 +40,7 @@ MotionFilter steady_state_filter(double position_sigma_m, double angle_sigma_rad
   covariance.diagonal().head<3>().setConstant(position_sigma_m * position_sigma_m);
   covariance.diagonal().tail<3>().setConstant(angle_sigma_rad * angle_sigma_rad);
   for (int k = 0; k < 5000; ++k) {
-    filter.predict(kStep_s);
+    filter.predict(kFramePeriod_s);
     filter.update(pose, covariance);
   }
   return filter;
@@ -50,10 +50,12 @@ void expect_closed_form(double position_variance, double velocity_variance, doub
                         double density) {
   const double R = sigma * sigma;
   const double q = density * density;
-  const Gains gains = closed_form(std::sqrt(q * kStep_s * kStep_s * kStep_s / R));
+  const Gains gains =
+      closed_form(std::sqrt(q * kFramePeriod_s * kFramePeriod_s * kFramePeriod_s / R));
   EXPECT_NEAR(position_variance / (gains.alpha * R), 1, 1e-9);
   const double expected =
-      R * gains.alpha * gains.beta / (kStep_s * kStep_s * (1 - gains.alpha)) - 0.5 * q * kStep_s;
+      R * gains.alpha * gains.beta / (kFramePeriod_s * kFramePeriod_s * (1 - gains.alpha)) -
+      0.5 * q * kFramePeriod_s;
   EXPECT_NEAR(velocity_variance / expected, 1, 1e-9);
 }
 
@@ -106,21 +108,21 @@ double mean_twist_nees(const Matrix6d& pose_by_twist, bool modelled) {
   for (int k = 0; k < 3000; ++k) {
     // velocity and position noise of white acceleration have correlation sqrt(3) / 2
     const auto process_noise = [&](double density) {
-      const Eigen::Vector3d velocity_part = noise(density * std::sqrt(kStep_s));
-      const Eigen::Vector3d position_part = noise(density * std::sqrt(kStep_s / 12));
+      const Eigen::Vector3d velocity_part = noise(density * std::sqrt(kFramePeriod_s));
+      const Eigen::Vector3d position_part = noise(density * std::sqrt(kFramePeriod_s / 12));
       return std::pair{velocity_part,
-                       Eigen::Vector3d(kStep_s * (0.5 * velocity_part + position_part))};
+                       Eigen::Vector3d(kFramePeriod_s * (0.5 * velocity_part + position_part))};
     };
     const auto [velocity_noise, displacement_noise] = process_noise(kConfig.acceleration_density);
     const auto [rate_noise, rotation_noise] = process_noise(kConfig.angular_acceleration_density);
-    const Eigen::Vector3d displacement = velocity * kStep_s + displacement_noise;
-    const Eigen::Vector3d rotation_vector = rate * kStep_s + rotation_noise;
+    const Eigen::Vector3d displacement = velocity * kFramePeriod_s + displacement_noise;
+    const Eigen::Vector3d rotation_vector = rate * kFramePeriod_s + rotation_noise;
     const Eigen::Quaterniond world_from_middle = truth.rotation * so3_exp(0.5 * rotation_vector);
     truth = {truth.rotation * so3_exp(rotation_vector), truth.translation + displacement};
     velocity += velocity_noise;
     rate += rate_noise;
 
-    filter.predict(kStep_s);
+    filter.predict(kFramePeriod_s);
     const Twist assumed = filter.twist_in_camera();
     const Vector6d pose_error =
         pose_by_twist *
@@ -130,8 +132,8 @@ double mean_twist_nees(const Matrix6d& pose_by_twist, bool modelled) {
                    truth.translation + noise(kSigma_m) + pose_error.head<3>()},
                   covariance, assumed, modelled ? pose_by_twist : Matrix6d::Zero());
     Vector6d error = filter.mean_twist_in_camera().vector();
-    error.head<3>() -= world_from_middle.conjugate() * displacement / kStep_s;
-    error.tail<3>() -= rotation_vector / kStep_s;
+    error.head<3>() -= world_from_middle.conjugate() * displacement / kFramePeriod_s;
+    error.tail<3>() -= rotation_vector / kFramePeriod_s;
     if (k < 50) continue;
     nees += error.dot(filter.mean_twist_covariance().ldlt().solve(error));
     ++count;
@@ -145,8 +147,8 @@ TEST(MotionFilterMeanTwist, CovarianceIsConsistent) {
 
 // Rolling shutter: velocity and angular rate are correlated.
 TEST(MotionFilterMeanTwist, CovarianceIsConsistentForTwistDependentPose) {
-  Matrix6d pose_by_twist = 0.3 * kStep_s * Matrix6d::Identity();
-  pose_by_twist(0, 4) = pose_by_twist(4, 0) = -kStep_s;
+  Matrix6d pose_by_twist = 0.3 * kFramePeriod_s * Matrix6d::Identity();
+  pose_by_twist(0, 4) = pose_by_twist(4, 0) = -kFramePeriod_s;
   EXPECT_NEAR(mean_twist_nees(pose_by_twist, true), 6, 0.5);
   EXPECT_GT(mean_twist_nees(pose_by_twist, false), 30);
 }
@@ -154,9 +156,9 @@ TEST(MotionFilterMeanTwist, CovarianceIsConsistentForTwistDependentPose) {
 TEST(MotionFilterMeanTwist, CovarianceIsInvariantToOriginAndWorldRotation) {
   MotionFilter filter(kConfig);
   filter.initialize({so3_exp({0.4, -1.0, 0.3}), {1, 2, 3}}, 5, 1);
-  filter.predict(kStep_s);
+  filter.predict(kFramePeriod_s);
   filter.update(filter.pose(), 1e-4 * Matrix6d::Identity());
-  filter.predict(kStep_s);
+  filter.predict(kFramePeriod_s);
   const Matrix6d before = filter.mean_twist_covariance();
   filter.set_pose_as_origin();
   filter.transform_world({so3_exp({1, 2, -0.5}), {4, 5, 6}});
