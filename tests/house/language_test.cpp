@@ -46,7 +46,7 @@ bool is_text(const fs::path& file) {
 const std::regex& retired_words() {
   static const std::regex words = [] {
     std::string pattern;
-    for (const char* word : kRetired) pattern += (pattern.empty() ? "" : "|") + std::string(word);
+    for (const char* word : kRetired) pattern.append(pattern.empty() ? "" : "|").append(word);
     return std::regex("\\b(" + pattern + ")\\b", std::regex::icase | std::regex::optimize);
   }();
   return words;
