@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -28,19 +29,22 @@ constexpr std::array<const char*, 33> kRetired{
 
 // The fused estimator and its documents are replaced as a whole; renamed keys name the old ones.
 bool is_exempt(const std::string& file) {
-  for (const char* part :
-       {"fusion", "fused", "docs/landmarks.md", "docs/reports/", "landmark",
-        "io/config/renamed_keys", "tests/house/language_test.cpp", "CHANGELOG.md"}) {
-    if (file.find(part) != std::string::npos) return true;
-  }
-  return false;
+  constexpr std::array kParts{"fusion",
+                              "fused",
+                              "docs/landmarks.md",
+                              "docs/reports/",
+                              "landmark",
+                              "io/config/renamed_keys",
+                              "CHANGELOG.md",
+                              "tests/house/language_test.cpp"};
+  return std::ranges::any_of(
+      kParts, [&](const char* part) { return file.find(part) != std::string::npos; });
 }
 
 bool is_text(const fs::path& file) {
-  for (const char* extension : {".hpp", ".cpp", ".md", ".py", ".js", ".html", ".yaml", ".sh"}) {
-    if (file.extension() == extension) return true;
-  }
-  return false;
+  constexpr std::array kExtensions{".hpp", ".cpp", ".md", ".py", ".js", ".html", ".yaml", ".sh"};
+  return std::ranges::any_of(kExtensions,
+                             [&](const char* extension) { return file.extension() == extension; });
 }
 
 const std::regex& retired_words() {
