@@ -31,8 +31,8 @@ function(stillkite_compile_options TARGET)
 endfunction()
 
 # stillkite_test(NAME SOURCES ... LINK ... [SLOW filter ...]): one GoogleTest program, its cases found
-# by ctest. Cases that match a filter of SLOW (Suite.Test, * allowed) take over five seconds in a
-# release build; they get the label `slow`, which sanitizer runs exclude.
+# by ctest. Cases that match a filter of SLOW (Suite.Test, * allowed) are long statistical or
+# closed-loop tests; they get the label `slow`, which sanitizer runs exclude.
 function(stillkite_test NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SLOW" ${ARGN})
   add_executable(${NAME} ${ARG_SOURCES})
