@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <exception>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <vector>
@@ -21,12 +23,13 @@ namespace {
 
 constexpr int kImages = 15;
 constexpr double kHeight_m = 100;
+constexpr double kFocal_px = 1152;
 
 Camera camera_with(DistortionModel model) {
   Camera camera{.width_px = 1920,
                 .height_px = 1080,
-                .focal_x_px = 1152,
-                .focal_y_px = 1152,
+                .focal_x_px = kFocal_px,
+                .focal_y_px = kFocal_px,
                 .centre_x_px = 959.5,
                 .centre_y_px = 539.5,
                 .distortion = model};
@@ -93,7 +96,7 @@ int main() try {
              bench::kImages);
   fmt::print("{:28} {:>7} {:>8} {:>8} {:>8} {:>10} {:>10} {:>8}\n", "view", "samples", "ground ms",
              "patch ms", "ratio", "median", "99 %", "largest");
-  const double fine_m = bench::kHeight_m / 1152 / 1.25;
+  const double fine_m = bench::kHeight_m / bench::kFocal_px / 1.25;
   for (const int supersampling : {1, 2}) {
     bench::compare("nadir, 0.8 texels/pixel", DistortionModel::none, 5, 1.5625 * fine_m,
                    supersampling);
