@@ -38,14 +38,18 @@ BearingSegment fit_segment(const Camera& camera, double middle_column, double ro
 
 }  // namespace
 
-BearingTable tabulate_bearings(const Camera& camera, int supersampling) {
+void check_rendering(const Camera& camera, int supersampling) {
   if (camera.width_px < 1 || camera.height_px < 1 || !(camera.focal_x_px > 0) ||
       !(camera.focal_y_px > 0)) {
     throw InputError("camera: width, height and focal lengths must be > 0");
   }
-  if (supersampling < 1 || supersampling > 4) {
+  if (supersampling < 1 || supersampling > kMaxSupersampling) {
     throw InputError("supersampling: " + std::to_string(supersampling) + " is not in 1 to 4");
   }
+}
+
+BearingTable tabulate_bearings(const Camera& camera, int supersampling) {
+  check_rendering(camera, supersampling);
   constexpr int kColumns = BearingSegment::kColumns;
   BearingTable table{.supersampling = supersampling,
                      .segments_a_row = (camera.width_px + kColumns - 1) / kColumns,

@@ -50,7 +50,13 @@ struct SampleOffset {
           .down = (supersampling * row + column + 0.5) / samples - 0.5};
 }
 
+/// Samples per pixel and direction.
+inline constexpr int kMaxSupersampling = 4;
+
 /// Throws InputError for an invalid camera or a `supersampling` outside 1 to 4.
+void check_rendering(const Camera& camera, int supersampling);
+
+/// Calls check_rendering.
 [[nodiscard]] BearingTable tabulate_bearings(const Camera& camera, int supersampling);
 
 }  // namespace stillkite

@@ -11,43 +11,11 @@
 #include <hwy/highway.h>
 
 #include "simulation/render/patch_kernel.hpp"
+#include "simulation/render/texture_sampling-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace stillkite {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-// The lane cap makes a tile row a whole number of vectors.
-using F = hn::CappedTag<float, BearingSegment::kColumns>;
-using I = hn::RebindToSigned<F>;
-using U = hn::RebindToUnsigned<F>;
-using VF = hn::Vec<F>;
-using VI = hn::Vec<I>;
-using VU = hn::Vec<U>;
-using Mask = hn::Mask<F>;
-
-HWY_INLINE VF along(const std::array<float, 3>& a, VF x, VF y) {
-  const F f;
-  return hn::MulAdd(hn::Set(f, a[0]), x, hn::MulAdd(hn::Set(f, a[1]), y, hn::Set(f, a[2])));
-}
-
-HWY_INLINE VF blend(VF a, VF b, VF ratio) {
-  return hn::MulAdd(ratio, hn::Sub(b, a), a);
-}
-
-template <int kShift>
-HWY_INLINE VF byte_of(VU quad) {
-  VU byte = quad;
-  if constexpr (kShift > 0) byte = hn::ShiftRight<kShift>(byte);
-  if constexpr (kShift < 24) byte = hn::And(byte, hn::Set(U(), 255U));
-  return hn::ConvertTo(F(), hn::BitCast(I(), byte));
-}
-
-HWY_INLINE VF within_quad(VU quad, VF a, VF b) {
-  return blend(blend(byte_of<0>(quad), byte_of<16>(quad), a),
-               blend(byte_of<8>(quad), byte_of<24>(quad), a), b);
-}
 
 // Reflects a coordinate about the centres of the first and the last texel.
 HWY_INLINE VF reflect(VF u, float last) {
@@ -96,11 +64,9 @@ HWY_INLINE VF level_at(const PatchView& patch, VF depth, float round_up) {
   const F f;
   const VF area =
       hn::Mul(hn::Mul(hn::Mul(depth, depth), depth), hn::Set(f, patch.texels_per_cubed_depth));
-  // float bits ~ scaled and shifted log2, piecewise linear between powers of two
-  const VF bits = hn::ConvertTo(f, hn::BitCast(I(), hn::Max(area, hn::Set(f, 1.0F))));
-  const VF logarithm = hn::MulAdd(bits, hn::Set(f, 0x1.0p-24F), hn::Set(f, -63.5F));
+  const VF level = hn::MulAdd(approximate_log2(area), hn::Set(f, 0.5F), hn::Set(f, round_up));
   const auto last = static_cast<float>(patch.level_count - 1);
-  return hn::Min(hn::Floor(hn::Add(logarithm, hn::Set(f, round_up))), hn::Set(f, last));
+  return hn::Min(hn::Floor(level), hn::Set(f, last));
 }
 
 // Single pyramid level of all samples of a patch in a tile; -1 if there are several.

@@ -6,33 +6,16 @@
 // must follow foreach_target.h
 #include <hwy/highway.h>
 
+#include "simulation/render/texture_sampling-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace stillkite {
 namespace HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-// The lane cap makes a padded row a whole number of vectors.
-using F = hn::CappedTag<float, kRowPadding>;
-using I = hn::RebindToSigned<F>;
-using U = hn::RebindToUnsigned<F>;
-using VF = hn::Vec<F>;
-using VI = hn::Vec<I>;
-using VU = hn::Vec<U>;
-
 constexpr float kMinDown = 1e-3F;  // a smaller down . b is at or above the horizon
 
-HWY_INLINE VF dot(const std::array<float, 3>& a, VF x, VF y) {
-  const F f;
-  return hn::MulAdd(hn::Set(f, a[0]), x, hn::MulAdd(hn::Set(f, a[1]), y, hn::Set(f, a[2])));
-}
-
 HWY_INLINE VF at_depth(const RayFunction& function, VF x, VF y, VF depth) {
-  return hn::MulAdd(depth, dot(function.per_bearing, x, y), hn::Set(F(), function.at_camera));
-}
-
-HWY_INLINE VF mix(VF a, VF b, VF ratio) {
-  return hn::MulAdd(ratio, hn::Sub(b, a), a);
+  return hn::MulAdd(depth, along(function.per_bearing, x, y), hn::Set(F(), function.at_camera));
 }
 
 HWY_INLINE VU gather(const std::uint32_t* words, VI index) {
@@ -43,16 +26,6 @@ HWY_INLINE VU gather(const std::uint32_t* words, VI index) {
 HWY_INLINE VU gather_quad(const std::uint8_t* pairs, VI index) {
   return hn::GatherOffset(U(), reinterpret_cast<const std::uint32_t*>(pairs),
                           hn::ShiftLeft<1>(index));
-}
-
-template <int kShift>
-HWY_INLINE VF byte(VU quad) {
-  const VU shifted = hn::And(hn::ShiftRight<kShift>(quad), hn::Set(U(), 255U));
-  return hn::ConvertTo(F(), hn::BitCast(I(), shifted));
-}
-
-HWY_INLINE VF bilinear(VU quad, VF a, VF b) {
-  return mix(mix(byte<0>(quad), byte<16>(quad), a), mix(byte<8>(quad), byte<24>(quad), a), b);
 }
 
 // Reduces an integer coordinate to [-(size - 1), size - 1], one period of the mirrored texture.
@@ -92,26 +65,22 @@ HWY_INLINE VF sample_level(const RenderView& view, VI level, VF u, VF v) {
   const VI row = hn::ConvertTo(i, at_v);
   const VI index = hn::Add(hn::GatherIndex(i, view.level_offset.data(), level),
                            hn::Add(hn::Mul(row, pitch), column));
-  return bilinear(gather_quad(view.pairs, index), hn::Sub(at_u, hn::ConvertTo(f, column)),
-                  hn::Sub(at_v, hn::ConvertTo(f, row)));
+  return within_quad(gather_quad(view.pairs, index), hn::Sub(at_u, hn::ConvertTo(f, column)),
+                     hn::Sub(at_v, hn::ConvertTo(f, row)));
 }
 
 // Trilinear interpolation: level = log2(footprint). Distant ground is averaged instead of aliased.
 HWY_INLINE VF sample_pyramid(const RenderView& view, VF footprint, VF u, VF v) {
   const F f;
   const I i;
-  // float bits ~ scaled and shifted log2, piecewise linear between powers of two
-  const VF bits = hn::ConvertTo(f, hn::BitCast(i, hn::Max(footprint, hn::Set(f, 1.0F))));
-  const VF logarithm = hn::MulAdd(bits, hn::Set(f, 0x1.0p-23F), hn::Set(f, -127.0F));
-  const VF level =
-      hn::Min(hn::Max(logarithm, hn::Zero(f)), hn::Set(f, static_cast<float>(view.levels - 1)));
+  const VF level = hn::Min(hn::Max(approximate_log2(footprint), hn::Zero(f)),
+                           hn::Set(f, static_cast<float>(view.levels - 1)));
   const VI fine = hn::ConvertTo(i, level);
   const VI coarse = hn::Min(hn::Add(fine, hn::Set(i, 1)), hn::Set(i, view.levels - 1));
-  return mix(sample_level(view, fine, u, v), sample_level(view, coarse, u, v),
-             hn::Sub(level, hn::ConvertTo(f, fine)));
+  return blend(sample_level(view, fine, u, v), sample_level(view, coarse, u, v),
+               hn::Sub(level, hn::ConvertTo(f, fine)));
 }
 
-template <class Mask>
 HWY_INLINE VF sample_ground(const RenderView& view, VF x, VF y, VF depth, Mask below) {
   const F f;
   const I i;
@@ -132,7 +101,7 @@ HWY_INLINE VF sample_ground(const RenderView& view, VF x, VF y, VF depth, Mask b
   if (hn::AllTrue(f, hn::Le(footprint, hn::Set(f, 1.0F)))) {
     const VI index = hn::Add(hn::Mul(hn::ConvertTo(i, row), hn::Set(i, view.level_pitch[0])),
                              hn::ConvertTo(i, column));
-    return bilinear(gather_quad(view.pairs, index), a, b);
+    return within_quad(gather_quad(view.pairs, index), a, b);
   }
   return sample_pyramid(view, footprint, hn::Add(column, a), hn::Add(row, b));
 }
@@ -159,7 +128,8 @@ HWY_INLINE VF relief_height(const RenderView& view, VF x, VF y, VF depth) {
     return hn::ConvertTo(F(), hn::ShiftRight<16>(hn::ShiftLeft<16>(pair)));
   };
   const auto right = [](VI pair) HWY_ATTR { return hn::ConvertTo(F(), hn::ShiftRight<16>(pair)); };
-  const VF counts = mix(mix(left(upper), right(upper), a), mix(left(lower), right(lower), a), b);
+  const VF counts =
+      blend(blend(left(upper), right(upper), a), blend(left(lower), right(lower), a), b);
   return hn::Mul(counts, hn::Set(f, view.relief_metres_per_count));
 }
 
@@ -179,8 +149,8 @@ HWY_INLINE VF paint_vehicle(const RenderView& view, VF x, VF y, VF depth, VF gre
   const VI row = hn::ConvertTo(i, v);
   const VI index = hn::Add(hn::Mul(row, hn::Set(i, view.vehicle_pitch)), column);
   const VF paint =
-      bilinear(gather_quad(view.vehicle_pairs, index), hn::Sub(u, hn::ConvertTo(f, column)),
-               hn::Sub(v, hn::ConvertTo(f, row)));
+      within_quad(gather_quad(view.vehicle_pairs, index), hn::Sub(u, hn::ConvertTo(f, column)),
+                  hn::Sub(v, hn::ConvertTo(f, row)));
   return hn::IfThenElse(inside, paint, grey);
 }
 
@@ -195,7 +165,7 @@ void render(const RenderView& view, const RenderRow& row) {
       const VF x = hn::LoadU(f, row.bearing_x[sample] + column);
       const VF y = row.uniform_y ? hn::Set(f, *row.bearing_y[sample])
                                  : hn::LoadU(f, row.bearing_y[sample] + column);
-      const VF down = dot(view.down_per_bearing, x, y);
+      const VF down = along(view.down_per_bearing, x, y);
       const auto below = hn::Gt(down, hn::Set(f, kMinDown));
       const VF per_metre = hn::IfThenElseZero(below, hn::Div(hn::Set(f, 1.0F), down));
       VF depth = hn::Mul(height, per_metre);

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/core/utility.hpp>
-#include <string>
 
+#include "simulation/render/bearing_table.hpp"
 #include "simulation/render/render_view.hpp"
 
 namespace stillkite {
@@ -15,7 +15,6 @@ namespace {
 // Rendering in vertical strips: the ground texels of neighbouring rows stay in the cache at any
 // yaw.
 constexpr int kStripWidth = 64;
-constexpr int kMaxSupersampling = 4;
 constexpr int kMaxSamples = kMaxSupersampling * kMaxSupersampling;
 
 // Offset of a sample from its pixel's centre, in pixels.
@@ -29,13 +28,7 @@ Renderer::Renderer(const Camera& camera, int supersampling)
     : camera_(camera),
       supersampling_(supersampling),
       padded_width_((camera.width_px + kRowPadding - 1) / kRowPadding * kRowPadding) {
-  if (camera.width_px < 1 || camera.height_px < 1 || !(camera.focal_x_px > 0) ||
-      !(camera.focal_y_px > 0)) {
-    throw InputError("camera: width, height and focal lengths must be > 0");
-  }
-  if (supersampling < 1 || supersampling > kMaxSupersampling) {
-    throw InputError("supersampling: " + std::to_string(supersampling) + " is not in 1 to 4");
-  }
+  check_rendering(camera, supersampling);
   if (camera.distortion == DistortionModel::none) {
     tabulate_pinhole();
   } else {
