@@ -55,7 +55,7 @@ TEST(DenseLucasKanadeSimd, AllInstructionSetsMatchScalarFlow) {
 class CountingAllocator : public cv::MatAllocator {
  public:
   CountingAllocator() { cv::Mat::setDefaultAllocator(this); }
-  ~CountingAllocator() override { cv::Mat::setDefaultAllocator(nullptr); }
+  ~CountingAllocator() override { cv::Mat::setDefaultAllocator(standard_); }
   CountingAllocator(const CountingAllocator&) = delete;
   CountingAllocator& operator=(const CountingAllocator&) = delete;
 

@@ -16,7 +16,7 @@
 namespace stillkite {
 namespace {
 
-const cv::Size kSize(400, 300);
+const cv::Size kImageSize(400, 300);
 
 Eigen::Affine2d motion_about_centre(double angle_rad, double scale, const Eigen::Vector2d& shift) {
   const Eigen::Vector2d centre(200, 150);
@@ -47,12 +47,12 @@ TrackError error_of(const FeatureTracks& tracks, const Eigen::Affine2d& motion) 
 // Masked in the reference or in the current image.
 TEST(FeatureTracker, RejectsMaskedFeatures) {
   const Eigen::Affine2d motion = motion_about_centre(0, 1, {20, 0});
-  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
-  const cv::Mat current = analytic_frame(kSize, motion);
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
+  const cv::Mat current = analytic_frame(kImageSize, motion);
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   const FeatureTracks all = tracker.track(current);
-  cv::Mat valid_pixels(kSize, CV_8U, cv::Scalar(255));
+  cv::Mat valid_pixels(kImageSize, CV_8U, cv::Scalar(255));
   valid_pixels.colRange(150, 250) = 0;
   tracker.set_mask(std::make_shared<const ImageMask>(valid_pixels));
   const FeatureTracks masked = tracker.track(current);
@@ -81,7 +81,7 @@ TEST(FeatureTracker, RejectsMaskedFeatures) {
 }
 
 TEST(FeatureTracker, TracksSmallMotion) {
-  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   const struct {
@@ -93,7 +93,7 @@ TEST(FeatureTracker, TracksSmallMotion) {
                {motion_about_centre(-0.02, 0.98, {2, 3}), 0.1}};
   for (const auto& at : cases) {
     tracker.set_reference(reference, corners(reference));
-    const TrackError error = error_of(tracker.track(analytic_frame(kSize, at.motion)), at.motion);
+    const TrackError error = error_of(tracker.track(analytic_frame(kImageSize, at.motion)), at.motion);
     EXPECT_GT(error.found, 100);
     EXPECT_LT(error.max_px, at.allowed_px);
   }
@@ -115,17 +115,17 @@ TEST(FeatureTracker, CovarianceIsConsistentUnderWhiteNoise) {
   const Eigen::Affine2d motion = motion_about_centre(0, 1, {3.3, -1.7});
   cv::RNG random(11);
   const auto noisy = [&](cv::Mat image, double noise_grey) {
-    cv::Mat noise(kSize, CV_32F);
+    cv::Mat noise(kImageSize, CV_32F);
     random.fill(noise, cv::RNG::NORMAL, 0, noise_grey);
     cv::add(image, noise, image, cv::noArray(), CV_8U);
     return image;
   };
-  const cv::Mat clean = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat clean = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
   const std::vector<cv::Point2f> features = corners(clean);
   for (const double noise_grey : {1.0, 3.0, 6.0, 9.0}) {
     FeatureTracker tracker({});
     tracker.set_reference(noisy(clean.clone(), noise_grey), features);
-    const FeatureTracks& tracks = tracker.track(noisy(analytic_frame(kSize, motion), noise_grey));
+    const FeatureTracks& tracks = tracker.track(noisy(analytic_frame(kImageSize, motion), noise_grey));
     ASSERT_GT(tracks.found_count, 100);
     EXPECT_GT(chi_square(tracks, motion), 0.8) << noise_grey;
     EXPECT_LT(chi_square(tracks, motion), 1.3) << noise_grey;
@@ -134,8 +134,8 @@ TEST(FeatureTracker, CovarianceIsConsistentUnderWhiteNoise) {
 
 // Patches without visible noise, as after compression: the median noise of the image applies.
 TEST(FeatureTracker, CovarianceHasLowerBoundOfMedianNoise) {
-  const cv::Mat clean = analytic_frame(kSize, Eigen::Affine2d::Identity());
-  const cv::Rect noisy_part(0, 0, 2 * kSize.width / 3, kSize.height);
+  const cv::Mat clean = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
+  const cv::Rect noisy_part(0, 0, 2 * kImageSize.width / 3, kImageSize.height);
   const auto median_trace_beyond = [&](double noise_grey) {
     cv::RNG random(12);
     const auto noisy = [&] {
@@ -170,13 +170,13 @@ TEST(FeatureTracker, InflatesCovarianceOnOcclusionBoundaries) {
   cv::RNG random(13);
   const auto image = [&](const Eigen::Vector2d& ground_at, const Eigen::Vector2d& strips_at) {
     const auto grey_at = [](const Eigen::Vector2d& shift) {
-      return analytic_frame(kSize, Eigen::Affine2d(Eigen::Translation2d(shift)));
+      return analytic_frame(kImageSize, Eigen::Affine2d(Eigen::Translation2d(shift)));
     };
     const cv::Mat ground = grey_at(ground_at);
     const cv::Mat strips = grey_at(strips_at + Eigen::Vector2d(900, 700));
-    cv::Mat out(kSize, CV_8UC1);
-    for (int y = 0; y < kSize.height; ++y) {
-      for (int x = 0; x < kSize.width; ++x) {
+    cv::Mat out(kImageSize, CV_8UC1);
+    for (int y = 0; y < kImageSize.height; ++y) {
+      for (int x = 0; x < kImageSize.width; ++x) {
         const double to_left = from_left_edge(x - strips_at.x()) + 0.5;
         const double strip =
             std::clamp(to_left, 0.0, 1.0) - std::clamp(to_left - kStrip_px, 0.0, 1.0);
@@ -220,11 +220,11 @@ TEST(FeatureTracker, InflatesCovarianceOnOcclusionBoundaries) {
 // Multi-scale texture: unambiguous under large displacements.
 cv::Mat scene() {
   cv::RNG random(7);
-  cv::Mat sum = cv::Mat::zeros(kSize, CV_32F);
+  cv::Mat sum = cv::Mat::zeros(kImageSize, CV_32F);
   for (int cell = 4; cell <= 64; cell *= 2) {
-    cv::Mat noise(kSize / cell, CV_32F);
+    cv::Mat noise(kImageSize / cell, CV_32F);
     random.fill(noise, cv::RNG::NORMAL, 0, 14);
-    cv::resize(noise, noise, kSize, 0, 0, cv::INTER_CUBIC);
+    cv::resize(noise, noise, kImageSize, 0, 0, cv::INTER_CUBIC);
     sum += noise;
   }
   cv::Mat grey;
@@ -241,7 +241,7 @@ TEST(FeatureTracker, TracksLargeMotion) {
     cv::Mat moved;
     const cv::Matx23d A(motion(0, 0), motion(0, 1), motion(0, 2), motion(1, 0), motion(1, 1),
                         motion(1, 2));
-    cv::warpAffine(reference, moved, A, kSize, cv::INTER_CUBIC, cv::BORDER_REFLECT);
+    cv::warpAffine(reference, moved, A, kImageSize, cv::INTER_CUBIC, cv::BORDER_REFLECT);
     tracker.set_reference(reference, corners(reference));
     const TrackError error = error_of(tracker.track(moved), motion);
     EXPECT_GT(error.found, 70);
@@ -256,7 +256,7 @@ TEST(FeatureTracker, RegistersAtGivenRotationOnly) {
   cv::Mat moved;
   const cv::Matx23d A(motion(0, 0), motion(0, 1), motion(0, 2), motion(1, 0), motion(1, 1),
                       motion(1, 2));
-  cv::warpAffine(reference, moved, A, kSize, cv::INTER_CUBIC, cv::BORDER_REFLECT);
+  cv::warpAffine(reference, moved, A, kImageSize, cv::INTER_CUBIC, cv::BORDER_REFLECT);
   const auto found_at = [&](double hypothesis_rad) {
     FeatureTracker tracker({});
     tracker.set_reference(reference, corners(reference));
@@ -268,12 +268,12 @@ TEST(FeatureTracker, RegistersAtGivenRotationOnly) {
 }
 
 TEST(FeatureTracker, TracksLongDisplacementWithoutDrift) {
-  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   for (int i = 1; i <= 12; ++i) {
     const Eigen::Affine2d motion = motion_about_centre(0.01 * i, 1 + 0.01 * i, {5.0 * i, 2.0 * i});
-    const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
+    const TrackError error = error_of(tracker.track(analytic_frame(kImageSize, motion)), motion);
     EXPECT_GT(error.found, 40) << i;
     EXPECT_LT(error.max_px, 0.2) << i;
   }
@@ -282,7 +282,7 @@ TEST(FeatureTracker, TracksLongDisplacementWithoutDrift) {
 // Left half static, right half approaching: no common deformation.
 TEST(FeatureTracker, EstimatesLocalScaleChange) {
   constexpr int kSeam_px = 200;
-  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   const Eigen::Vector2d origin(300, 150);
@@ -291,8 +291,8 @@ TEST(FeatureTracker, EstimatesLocalScaleChange) {
                                     Eigen::Scaling(1 + 0.01 * percent) *
                                     Eigen::Translation2d(-origin);
     cv::Mat current = reference.clone();
-    const cv::Rect right(kSeam_px, 0, kSize.width - kSeam_px, kSize.height);
-    analytic_frame(kSize, scaling)(right).copyTo(current(right));
+    const cv::Rect right(kSeam_px, 0, kImageSize.width - kSeam_px, kImageSize.height);
+    analytic_frame(kImageSize, scaling)(right).copyTo(current(right));
     const FeatureTracks& tracks = tracker.track(current);
     double square = 0;
     int count = 0;
@@ -309,21 +309,21 @@ TEST(FeatureTracker, EstimatesLocalScaleChange) {
 }
 
 TEST(FeatureTracker, IsInvariantToBrightnessOffset) {
-  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   const Eigen::Affine2d motion = motion_about_centre(0, 1, {2.4, 1.1});
-  const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion, 12)), motion);
+  const TrackError error = error_of(tracker.track(analytic_frame(kImageSize, motion, 12)), motion);
   EXPECT_GT(error.found, 100);
   EXPECT_LT(error.max_px, 0.06);
 }
 
 TEST(FeatureTracker, RejectsOccludedFeatures) {
-  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   const Eigen::Affine2d motion = motion_about_centre(0, 1, {2, 1});
-  cv::Mat covered = analytic_frame(kSize, motion);
+  cv::Mat covered = analytic_frame(kImageSize, motion);
   covered(cv::Rect(200, 0, 200, 300)).setTo(90);
   const FeatureTracks& tracks = tracker.track(covered);
   for (std::size_t i = 0; i < tracks.found.size(); ++i) {
@@ -335,22 +335,22 @@ TEST(FeatureTracker, RejectsOccludedFeatures) {
 }
 
 TEST(FeatureTracker, RecoversAfterBlackFrame) {
-  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
   FeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
-  EXPECT_EQ(tracker.track(cv::Mat::zeros(kSize, CV_8UC1)).found_count, 0);
+  EXPECT_EQ(tracker.track(cv::Mat::zeros(kImageSize, CV_8UC1)).found_count, 0);
   const Eigen::Affine2d motion = motion_about_centre(0, 1, {5, -3});
-  const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
+  const TrackError error = error_of(tracker.track(analytic_frame(kImageSize, motion)), motion);
   EXPECT_GT(error.found, 100);
   EXPECT_LT(error.max_px, 0.05);
 }
 
 TEST(OpenCvFeatureTracker, TracksSmallMotion) {
-  const cv::Mat reference = analytic_frame(kSize, Eigen::Affine2d::Identity());
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
   OpenCvFeatureTracker tracker({});
   tracker.set_reference(reference, corners(reference));
   const Eigen::Affine2d motion = motion_about_centre(0, 1, {-14.6, 9.2});
-  const TrackError error = error_of(tracker.track(analytic_frame(kSize, motion)), motion);
+  const TrackError error = error_of(tracker.track(analytic_frame(kImageSize, motion)), motion);
   EXPECT_GT(error.found, 100);
 }
 
