@@ -13,6 +13,7 @@ function(stillkite_module NAME)
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(stillkite_${NAME} PUBLIC ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
   stillkite_compile_options(stillkite_${NAME})
+  target_precompile_headers(stillkite_${NAME} REUSE_FROM stillkite_precompiled)
 endfunction()
 
 # Warnings and sanitizers, the same for every target of the project. A designated initialiser may
@@ -38,6 +39,7 @@ function(stillkite_test NAME)
   add_executable(${NAME} ${ARG_SOURCES})
   target_link_libraries(${NAME} PRIVATE ${ARG_LINK} GTest::gtest GTest::gtest_main)
   stillkite_compile_options(${NAME})
+  target_precompile_headers(${NAME} REUSE_FROM stillkite_precompiled_tests)
   list(JOIN ARG_SLOW ":" slow)
   if(slow)
     gtest_discover_tests(${NAME} TEST_FILTER "-${slow}" TEST_LIST ${NAME}_FAST
