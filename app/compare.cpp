@@ -92,7 +92,7 @@ void write_page(const std::filesystem::path& file, const CompareArguments& argum
     estimates.push_back({.name = variants[i].name,
                          .estimates = runs[i].estimates(),
                          .frame_ms = runs[i].frame_ms()});
-    configs += fmt::format("# {}\n{}\n", variants[i].name, print_config(variants[i].config));
+    configs += fmt::format("# {}\n{}\n", variants[i].name, print_config(runs[i].config()));
   }
   const auto truth = truth_at(runs.front().inputs(), runs.front().estimates());
   write_comparison_report(file,

@@ -8,6 +8,7 @@
 #include "app/options.hpp"
 #include "io/config/config_printing.hpp"
 #include "io/config/run_config.hpp"
+#include "navigation/effective_config.hpp"
 
 namespace stillkite {
 namespace {
@@ -27,7 +28,11 @@ void add_config(CLI::App& app) {
   add_overrides(*command, arguments->overrides);
   command->footer("The output is a valid configuration: stillkite config > my.yaml");
   command->callback([arguments] {
-    fmt::print("{}", print_config(load_run_config(arguments->config, arguments->overrides)));
+    RunConfig config = load_run_config(arguments->config, arguments->overrides);
+    // the scale is known to a run only: it may depend on the first reading of a range finder
+    config.navigator =
+        effective_config(config.navigator, config.estimator.policy, ScaleSource::initial_height);
+    fmt::print("{}", print_config(config));
   });
 }
 

@@ -7,6 +7,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
 #include "io/results/output_file.hpp"
+#include "navigation/effective_config.hpp"
 
 namespace stillkite {
 namespace {
@@ -18,6 +19,11 @@ constexpr std::uintmax_t kBytesPerFrame = 1700;
 constexpr std::uintmax_t kBytesPerRun = 2 << 20;
 constexpr std::uintmax_t kBytesPerOverlayFrame = 100'000;
 
+RunConfig effective_run_config(RunConfig config, const InitialState& initial) {
+  config.navigator = effective_config(config.navigator, config.estimator.policy, initial.scale);
+  return config;
+}
+
 HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
   return {inputs.camera,    inputs.body_from_camera,     config.navigator,
           config.estimator, in_shadow_mode(config.hold), inputs.initial};
@@ -26,8 +32,8 @@ HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
 }  // namespace
 
 EstimatorRun::EstimatorRun(RunConfig config, const Frame& first)
-    : config_(std::move(config)),
-      inputs_(read_flight_inputs(config_, first)),
+    : inputs_(read_flight_inputs(config, first)),
+      config_(effective_run_config(std::move(config), inputs_.initial)),
       pilot_(make_pilot(config_, inputs_)) {}
 
 void EstimatorRun::write_to(const std::filesystem::path& folder,

@@ -37,6 +37,7 @@ class EstimatorRun {
   /// Renames the files to their final names.
   void commit();
 
+  /// With the navigator's effective configuration.
   [[nodiscard]] const RunConfig& config() const { return config_; }
   [[nodiscard]] const FlightInputs& inputs() const { return inputs_; }
   /// In a gravity-aligned world, or in the truth's with initial.from_truth.
@@ -55,8 +56,8 @@ class EstimatorRun {
     std::optional<OverlayVideo> overlay;
   };
 
-  RunConfig config_;
   FlightInputs inputs_;
+  RunConfig config_;
   HoverPilot pilot_;
   std::optional<Files> files_;
   std::optional<Timestamp> previous_stamp_;

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "io/config/config_binding.hpp"
+#include "navigation/effective_config.hpp"
 
 namespace stillkite {
 namespace {
@@ -32,7 +33,11 @@ HoverConfig load_hover_config(const std::optional<std::filesystem::path>& file,
       config.plant = bind_config<PlantConfig>(read_config_section(*plant_file, "plant."));
     }
   }
-  return bind_config<HoverConfig>(root, config);
+  config = bind_config<HoverConfig>(root, config);
+  // a trial measures its initial height
+  config.navigator =
+      effective_config(config.navigator, config.estimator.policy, ScaleSource::initial_height);
+  return config;
 }
 
 HoverWorld make_world(const HoverConfig& config) {

@@ -9,8 +9,8 @@
 
 namespace stillkite {
 
-/// Loads the plant file, then overrides it by the configuration and the command line. Throws
-/// InputError as load_run_config.
+/// Effective configuration of trials: the plant file, overridden by the configuration and the
+/// command line. Throws InputError as load_run_config.
 [[nodiscard]] HoverConfig load_hover_config(const std::optional<std::filesystem::path>& file,
                                             const std::vector<std::string>& overrides);
 

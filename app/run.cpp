@@ -55,7 +55,7 @@ void run(const RunArguments& arguments) {
   report_outcome(outcome, std::span(&estimator, 1), out);
   report_inconsistencies(estimator);
   const nlohmann::json summary =
-      write_run_results(out, config, estimator.inputs(), estimator.estimates(), facts);
+      write_run_results(out, estimator.config(), estimator.inputs(), estimator.estimates(), facts);
   if (outcome.failure) std::rethrow_exception(outcome.failure);
   if (arguments.json) {
     fmt::print("{}\n", json_text(summary));

@@ -16,7 +16,7 @@ const FeatureTracks& FeatureTracker::track(const cv::Mat& grey,
   const FeatureTracks& tracks = alignment_.tracks();
   // 1. Align from the displacements of the previous frame, else from zero.
   alignment_.set_current(grey);
-  if (config_.warm_start && has_previous_) {
+  if (has_previous_) {
     alignment_.align_from_last();
   } else {
     alignment_.align_from({});

@@ -13,7 +13,6 @@ struct FeatureTrackerConfig {
   int steps = 4;
   double min_correlation = 0.7;
   double forward_backward_px = 0.5;
-  bool warm_start = true;
   bool search = true;
 
   static void fields(auto& self, auto&& field) {
@@ -23,7 +22,6 @@ struct FeatureTrackerConfig {
           "minimum normalized correlation of a feature's patch with its reference patch");
     field("forward_backward_px", self.forward_backward_px, kNonNegative,
           "maximum forward-backward error; 0: no forward-backward check");
-    field("warm_start", self.warm_start, "initialize the displacements from the previous frame");
     field("search", self.search, "register the whole image when most features are lost");
   }
 };

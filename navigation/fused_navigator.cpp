@@ -42,13 +42,11 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
       sensors_(config.sensors),
       scale_(initial.scale == ScaleSource::none ? ScaleSource::imu : initial.scale),
       flow_(camera, body_from_camera, config, initial),
-      reference_(camera, body_from_camera, with_earlier_references(config), initial,
-                 Mode::recommended),
+      reference_(camera, body_from_camera, reference_config(config), initial, Mode::recommended),
       flow_from_camera_(initial.world_from_body * body_from_camera),
       flow_scale_(initial.scale),
       landmarks_(config_, camera.focal_x_px),
-      filter_(filter_config(config_, initial),
-              fusion_start(initial, body_from_camera, config.initial_tilt_sigma_rad)),
+      filter_(config_, fusion_start(initial, body_from_camera, config.initial_tilt_sigma_rad)),
       home_(filter_.map()),
       is_ground_flat_(config.fusion.flat_ground) {}
 

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "navigation/assumptions.hpp"
 
 namespace stillkite {
@@ -20,23 +18,8 @@ FusionConfig checked_fusion_config(const NavigatorConfig& navigator) {
                                config.min_landmarks, config.landmarks));
 }
 
-FusionConfig filter_config(FusionConfig config, const InitialState& initial) {
-  constexpr double kLessVagueDepth_ratio = 0.5;
-  // nothing waits for metres that only the IMU will tell: they may come late, but where depths are
-  // as vague as in other starts they never do. Relinearised about a height of which nothing is
-  // known the filter is too sure.
-  if (initial.scale == ScaleSource::none) {
-    config.depth_correlated_frames = std::max(config.depth_correlated_frames, kCarefulFrames);
-    config.inverse_depth_sigma_ratio =
-        std::min(config.inverse_depth_sigma_ratio, kLessVagueDepth_ratio);
-    config.relinearize_start = false;
-  }
-  return config;
-}
-
-NavigatorConfig with_earlier_references(NavigatorConfig config) {
-  double& ratio = config.reference.renew_below_ratio;
-  ratio = std::max(ratio, config.fusion.renew_below_ratio);
+NavigatorConfig reference_config(NavigatorConfig config) {
+  config.reference.renew_below_ratio = config.fusion.renew_below_ratio;
   return config;
 }
 

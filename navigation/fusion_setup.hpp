@@ -11,11 +11,8 @@ namespace stillkite {
 /// Throws InputError where features cannot be followed, or too many landmarks are asked for.
 [[nodiscard]] FusionConfig checked_fusion_config(const NavigatorConfig& navigator);
 
-/// More careful where no height is given.
-[[nodiscard]] FusionConfig filter_config(FusionConfig config, const InitialState& initial);
-
-/// The reference estimator's: a reference is left while the fusion still has landmarks in it.
-[[nodiscard]] NavigatorConfig with_earlier_references(NavigatorConfig config);
+/// Of the reference estimator: fusion.renew_below_ratio replaces reference.renew_below_ratio.
+[[nodiscard]] NavigatorConfig reference_config(NavigatorConfig config);
 
 /// The camera, at any speed; without a height in a unit of which next to nothing is known.
 [[nodiscard]] FusionStart fusion_start(const InitialState& initial,

@@ -8,6 +8,7 @@
 #include "flow/image_mask.hpp"
 #include "flow/static_overlay_detector.hpp"
 #include "navigation/best_navigator.hpp"
+#include "navigation/effective_config.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/fused_navigator.hpp"
 #include "navigation/keyframe_navigator.hpp"
@@ -39,7 +40,8 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
     return BestNavigator(camera, body_from_camera, config, initial, estimator.mode);
   }
   if (estimator.policy == Policy::fused) {
-    return FusedNavigator(camera, body_from_camera, config, initial);
+    return FusedNavigator(camera, body_from_camera,
+                          effective_config(config, estimator.policy, initial.scale), initial);
   }
   if (estimator.mode == Mode::paper)
     return PaperNavigator(camera, body_from_camera, config, initial);

@@ -33,7 +33,6 @@ struct LeastSquaresConfig {
   Weighting weighting = Weighting::robust;
   RobustKernel kernel = RobustKernel::tukey;
   CovarianceForm covariance = CovarianceForm::cells;
-  int max_iterations = 15;
   int min_windows = 24;
   double inlier_px = 1.0;
   double min_inlier_ratio = 0.5;
@@ -43,7 +42,6 @@ struct LeastSquaresConfig {
     field("weighting", self.weighting, "weight of a flow vector");
     field("kernel", self.kernel, "M-estimator kernel of the robust weighting");
     field("covariance", self.covariance, "covariance estimator");
-    field("max_iterations", self.max_iterations, Range{1, 100}, "maximum reweighting iterations");
     field("min_windows", self.min_windows, Range{6, 1e6},
           "minimum number of textured flow vectors, and of those on the ground");
     field("inlier_px", self.inlier_px, kPositive, "maximum residual of an inlier, px");

@@ -13,6 +13,8 @@ namespace {
 constexpr double kMinScale = 1e-9;
 // Iterations with the convex kernel before the configured one.
 constexpr int kConvexSteps = 3;
+// Bound of the run time; the iterations end earlier once they have converged.
+constexpr int kMaxIterations = 15;
 
 TwistEquations scaled(const TwistEquations& sums, double scale) {
   const double inverse_variance = 1 / (scale * scale);
@@ -69,7 +71,7 @@ TwistFit TwistFitter::fit(const FlowRows& rows, const std::optional<TwistPrior>&
     compute_squared_distances(rows, fit.twist, squared_distances_);
     fit.scale = estimate_scale(rows);
   }
-  for (int iteration = 0; iteration < config_.max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     if (robust && iteration > 0) {
       update_weights(iteration <= kConvexSteps ? RobustKernel::huber : config_.kernel, fit.scale);
     }

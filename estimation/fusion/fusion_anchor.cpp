@@ -1,8 +1,8 @@
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "estimation/fusion/fusion_filter.hpp"
-#include "estimation/fusion/innovation_consensus.hpp"
 #include "estimation/fusion/landmark_model.hpp"
 
 namespace stillkite {
@@ -53,6 +53,11 @@ InheritedDepths depths_from_camera(const FusionState& state, const std::vector<L
     out.covariance(i, i) += square(kRelief_share * out.landmarks[k].inverse_depth);
   }
   return out;
+}
+
+// False for what is not finite.
+bool is_within_sigmas(const Eigen::Vector2d& residual, const Eigen::Matrix2d& S, double sigmas) {
+  return residual.dot(S.llt().solve(residual)) <= sigmas * sigmas;
 }
 
 }  // namespace

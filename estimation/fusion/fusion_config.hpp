@@ -4,7 +4,7 @@
 
 namespace stillkite {
 
-/// Of `depth_correlated_frames`: honest where neither speed nor height are known at the start.
+/// `depth_correlated_frames` with a consistent covariance if initial speed and height are unknown.
 inline constexpr double kCarefulFrames = 300;
 
 /// What the fusion filter is told of its sensors and of the drone.
@@ -73,8 +73,9 @@ struct FusionConfig {
     field("min_landmarks", self.min_landmarks, Range{4, 200},
           "seen in a frame, without which it measured nothing but flat ground");
     field("renew_below_ratio", self.renew_below_ratio, Range{0, 0.9},
-          "at least so for `reference.renew_below_ratio`: what is known of the landmarks goes over "
-          "into the new reference, and few that are left are seen from ever stranger places");
+          "replaces `reference.renew_below_ratio`, at least that: what is known of the landmarks "
+          "goes over into the new reference, and few that are left are seen from ever stranger "
+          "places");
     field("inverse_depth_sigma_ratio", self.inverse_depth_sigma_ratio, Range{1e-9, 1e9},
           "of a new landmark's inverse depth, as a share of its guess");
     field("scale_sigma_ratio", self.scale_sigma_ratio, Range{1e-9, 1e9},

@@ -12,10 +12,6 @@ namespace stillkite {
 struct RelativePoseConfig {
   double threshold_px = 1.0;
   double confidence = 0.999;
-  int max_iterations = 2000;
-  int min_pairs = 12;
-  bool refine = true;
-  bool use_prior = true;
   bool model_test = true;
   double model_floor_px = 0.1;
   double vertical_sigma_deg = 0.5;
@@ -25,12 +21,6 @@ struct RelativePoseConfig {
     field("threshold_px", self.threshold_px, kPositive, "maximum Sampson error of an inlier");
     field("confidence", self.confidence, Range{0.5, 0.999999},
           "RANSAC confidence: probability of one sample of five inliers");
-    field("max_iterations", self.max_iterations, Range{1, 1e6},
-          "maximum number of RANSAC samples of five pairs");
-    field("min_pairs", self.min_pairs, Range{6, 1e6},
-          "minimum number of inliers, else `undecided`");
-    field("refine", self.refine, "robust least squares on the inliers after RANSAC");
-    field("use_prior", self.use_prior, "refine the last frame's pose before RANSAC");
     field("model_test", self.model_test,
           "model selection: no motion, pure rotation, plane or essential matrix");
     field("model_floor_px", self.model_floor_px, kNonNegative,

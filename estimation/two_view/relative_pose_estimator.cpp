@@ -27,6 +27,8 @@ constexpr double kMinCutoff = 1e-9;
 constexpr double kCutoffInThresholds = 1.5;
 constexpr int kRotationDraws = 40;
 constexpr int kPlaneDraws = 15;
+// Five pairs determine the pose; seven more determine the noise.
+constexpr int kMinInliers = 12;
 
 // Inputs of one call.
 struct Problem {
@@ -63,7 +65,6 @@ template <typename Pose>
 Refined<Pose> refine_to_noise(const Problem& problem, Pose pose, double sigma_of_median,
                               double cutoff_in_sigma, const auto& refine, const auto& distances) {
   const double max_cutoff = kCutoffInThresholds * problem.threshold;
-  if (!problem.config.refine) return {pose, max_cutoff};
   double cutoff = max_cutoff;
   // from wide to narrow: a narrow cutoff alone has local minima
   for (const double factor : {4.0, 2.0}) pose = refine(pose, factor * max_cutoff);
@@ -181,7 +182,7 @@ EssentialFit fit_near_plane(const Problem& problem, const EssentialFit& fit,
 // Two rounds: the leverage weights depend on the pose.
 Refined<RelativePose> refine_essential(const Problem& problem, const EssentialFit& fit) {
   Refined<RelativePose> refined{fit.pose, kCutoffInThresholds * problem.threshold};
-  for (int round = 0; problem.config.refine && round < 2; ++round) {
+  for (int round = 0; round < 2; ++round) {
     const BearingColumns columns =
         with_bounded_leverage(problem.columns, refined.pose, refined.cutoff);
     refined = refine_to_noise(
@@ -202,7 +203,7 @@ std::vector<RelativePose> initial_poses(const Problem& problem,
                                         const Eigen::Quaterniond& rotation) {
   std::vector<RelativePose> poses;
   const std::optional<RelativePose>& prior = problem.hints.prior;
-  if (problem.config.use_prior && prior && prior->direction.norm() > 0.5) {
+  if (prior && prior->direction.norm() > 0.5) {
     poses.push_back({prior->current_from_reference, prior->direction.normalized()});
   }
   if (!problem.config.model_test) return poses;
@@ -238,7 +239,7 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
   // 2. essential matrix: from the initial poses, else RANSAC on five pairs
   EssentialFit fit =
       fit_essential(problem.columns, problem.threshold, config, initial_poses(problem, rotation));
-  if (!fit.found || fit.inliers < config.min_pairs) {
+  if (!fit.found || fit.inliers < kMinInliers) {
     return with_inliers(problem, ViewModel::undecided, {}, kMadToSigma);
   }
   const Refined<RelativePose> refined = refine_essential(problem, fit);
@@ -248,7 +249,7 @@ RelativePoseEstimate estimate_relative_pose(std::span<const BearingPair> pairs, 
   const std::vector<float> distances =
       sampson_distances(problem.columns, essential_matrix(refined.pose));
   const BearingColumns inliers = inlier_columns(problem, distances);
-  if (inliers.size() < static_cast<std::size_t>(config.min_pairs)) {
+  if (inliers.size() < kMinInliers) {
     return with_inliers(problem, ViewModel::undecided, {}, kMadToSigma);
   }
   const Eigen::Matrix3d plane = fit_homography(inliers, problem.threshold, kPlaneDraws, random);

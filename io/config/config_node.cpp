@@ -176,6 +176,7 @@ ConfigNode read_config(const std::optional<std::filesystem::path>& file,
   for (const std::string& assignment : overrides) {
     apply_override(root, assignment);
     print_notices(move_renamed_keys(root, "", true));
+    print_notices(drop_removed_keys(root, ""));
   }
   return root;
 }
@@ -183,6 +184,7 @@ ConfigNode read_config(const std::optional<std::filesystem::path>& file,
 ConfigNode read_config_section(const std::filesystem::path& file, std::string_view prefix) {
   ConfigNode root = read_yaml(file);
   print_notices(move_renamed_keys(root, prefix, false));
+  print_notices(drop_removed_keys(root, prefix));
   return root;
 }
 

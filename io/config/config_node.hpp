@@ -45,7 +45,7 @@ struct ConfigNode {
 void apply_override(ConfigNode& root, const std::string& assignment);
 
 /// Configuration file with overrides `key.path=value`; without a file, the overrides alone. Prints
-/// a notice for each key that has been renamed (io/config/renamed_keys.hpp).
+/// a notice for each key that has been renamed or removed (io/config/renamed_keys.hpp).
 [[nodiscard]] ConfigNode read_config(const std::optional<std::filesystem::path>& file,
                                      const std::vector<std::string>& overrides);
 

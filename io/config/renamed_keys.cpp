@@ -27,6 +27,21 @@ constexpr auto kRenamedKeys = std::to_array<RenamedKey>({
     {"reference.seek_home_every_frames", "reference.relocalize_every_frames"},
 });
 
+struct RemovedKey {
+  std::string_view key;
+  std::string_view value;  ///< constant in the code
+};
+
+// Accepted with this value until version 0.3: a printed configuration lists every key.
+constexpr auto kRemovedKeys = std::to_array<RemovedKey>({
+    {"navigator.paper.least_squares.max_iterations", "15"},
+    {"reference.pose.max_iterations", "2000"},
+    {"reference.pose.min_pairs", "12"},
+    {"reference.pose.refine", "true"},
+    {"reference.pose.use_prior", "true"},
+    {"reference.windows.warm_start", "true"},
+});
+
 ConfigNode* find_entry(ConfigNode& map, std::string_view key) {
   const auto at = std::ranges::find(map.entries, key, &std::pair<std::string, ConfigNode>::first);
   return at == map.entries.end() ? nullptr : &at->second;
@@ -75,6 +90,19 @@ std::vector<std::string> move_renamed_keys(ConfigNode& root, std::string_view pr
       throw InputError(notices.back() + "; both are given: keep the new one");
     }
     target = std::move(*value);
+  }
+  return notices;
+}
+
+std::vector<std::string> drop_removed_keys(ConfigNode& root, std::string_view prefix) {
+  std::vector<std::string> notices;
+  for (const RemovedKey& removed : kRemovedKeys) {
+    if (!removed.key.starts_with(prefix)) continue;
+    const std::optional<ConfigNode> value = take_value(root, removed.key.substr(prefix.size()));
+    if (!value) continue;
+    notices.push_back(fmt::format("{}: key '{}' was removed; its value is always {}",
+                                  value->where(), removed.key, removed.value));
+    if (value->text != removed.value) throw InputError(notices.back() + "; remove the key");
   }
   return notices;
 }

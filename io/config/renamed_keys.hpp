@@ -15,4 +15,8 @@ namespace stillkite {
 [[nodiscard]] std::vector<std::string> move_renamed_keys(ConfigNode& root, std::string_view prefix,
                                                          bool replaces);
 
+/// Drops each key that has been removed in this version. Returns one notice per dropped key. Throws
+/// InputError if its value is not the one that is now constant. `prefix` as above.
+[[nodiscard]] std::vector<std::string> drop_removed_keys(ConfigNode& root, std::string_view prefix);
+
 }  // namespace stillkite

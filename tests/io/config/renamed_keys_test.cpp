@@ -44,5 +44,30 @@ TEST(RenamedKeys, LeavesOtherKeysAlone) {
   EXPECT_EQ(root.entries.size(), 1U);
 }
 
+TEST(RemovedKeys, ConstantValueIsDroppedWithANotice) {
+  ConfigNode root = parse_yaml("reference:\n  pose:\n    min_pairs: 12\n", "old.yaml", "/");
+  const std::vector<std::string> notices = drop_removed_keys(root, "");
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(notices.front(),
+            "old.yaml:3:5: key 'reference.pose.min_pairs' was removed; its value is always 12");
+  EXPECT_NO_THROW((void)bind_config<RunConfig>(root));
+}
+
+TEST(RemovedKeys, AnotherValueIsAnErrorThatNamesTheKey) {
+  try {
+    (void)load_run_config(std::nullopt, {"reference.pose.refine=false"});
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--set reference.pose.refine=false: key 'reference.pose.refine' was removed; its "
+                 "value is always true; remove the key");
+  }
+}
+
+TEST(RemovedKeys, ASectionFileHasNoneOfOtherSections) {
+  ConfigNode plant = parse_yaml("reference: {pose: {refine: false}}\n", "plant.yaml", "/");
+  EXPECT_TRUE(drop_removed_keys(plant, "plant.").empty());
+}
+
 }  // namespace
 }  // namespace stillkite
