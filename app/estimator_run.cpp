@@ -7,6 +7,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
 #include "io/results/output_file.hpp"
+#include "navigation/pilot_step.hpp"
 
 namespace stillkite {
 namespace {

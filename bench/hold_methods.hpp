@@ -9,6 +9,7 @@
 #include "bench/opencv_hold.hpp"
 #include "flow/pyramid.hpp"
 #include "navigation/hover_pilot.hpp"
+#include "navigation/pilot_step.hpp"
 
 namespace stillkite::bench {
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "flow/frame.hpp"
+#include "navigation/estimate.hpp"
 #include "navigation/navigation_estimate.hpp"
 #include "navigation/sensor_update.hpp"
 
@@ -32,5 +33,9 @@ struct EstimateParts {
 [[nodiscard]] NavigationEstimate with_both_reports(NavigationEstimate estimate,
                                                    const NavigationEstimate& flow,
                                                    const NavigationEstimate& reference);
+
+/// Estimate for a user of the library: gravity-aligned, metric values only with a source of scale.
+[[nodiscard]] Estimate public_estimate(const NavigationEstimate& estimate,
+                                       const RigidTransform& body_from_camera);
 
 }  // namespace stillkite
