@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "estimation/two_view/opencv_relative_pose.hpp"
 #include "estimation/two_view/relative_pose_estimator.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/estimate_parts.hpp"
