@@ -10,6 +10,7 @@
 #include "flow/pyramid.hpp"
 #include "navigation/hover_pilot.hpp"
 #include "navigation/pilot_step.hpp"
+#include "stabilization/hold_controller.hpp"
 
 namespace stillkite::bench {
 

@@ -17,7 +17,8 @@ struct PilotStep;
 struct TetheredReadings {
   Timestamp now;                        ///< time of the command, not before the exposure
   std::optional<TetherReading> tether;  ///< latest reading
-  /// Attitude at the exposure (IMU, yaw zeroed at take-off); empty: StationAttitude supplies it.
+  /// Attitude at the exposure (IMU, yaw zeroed at take-off); empty: integrated from the
+  /// images, initial yaw 0.
   std::optional<Eigen::Quaterniond> station_from_body;
   SensorReadings sensors;  ///< readings for the navigator
 };

@@ -19,6 +19,7 @@ struct NavigationEstimate;
 
 /// GNSS-denied visual navigation with one camera: estimates pose and velocity of the body from each
 /// frame and optional sensor readings, by the configured estimator. One object per flight.
+/// Sources: docs/plane_odometry.md, docs/two_view_pose.md and docs/fusion.md, by policy.
 class Navigator {
  public:
   /// `initial`: body pose at the first image; its camera must be above the ground, z > 0.
