@@ -8,6 +8,7 @@
 #include "app/progress_bar.hpp"
 #include "io/results/output_file.hpp"
 #include "navigation/effective_config.hpp"
+#include "navigation/pilot_step.hpp"
 
 namespace stillkite {
 namespace {

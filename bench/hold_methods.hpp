@@ -9,6 +9,8 @@
 #include "bench/opencv_hold.hpp"
 #include "flow/pyramid.hpp"
 #include "navigation/hover_pilot.hpp"
+#include "navigation/pilot_step.hpp"
+#include "stabilization/hold_controller.hpp"
 
 namespace stillkite::bench {
 

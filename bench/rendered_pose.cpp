@@ -12,7 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "flow/frame.hpp"
 #include "geometry/angle.hpp"
+#include "navigation/navigation_estimate.hpp"
 #include "navigation/navigator.hpp"
 #include "navigation/stop_watch.hpp"
 #include "simulation/camera_mount.hpp"

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "navigation/navigation_estimate.hpp"
 #include "navigation/navigator.hpp"
 #include "simulation/flight/simulate.hpp"
 

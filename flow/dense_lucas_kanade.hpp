@@ -4,30 +4,10 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "flow/dense_lucas_kanade_config.hpp"
 #include "flow/flow_field.hpp"
-#include "geometry/fields.hpp"
 
 namespace stillkite {
-
-struct DenseLucasKanadeConfig {
-  int window_px = 21;
-  int levels = 5;
-  int steps = 2;
-  int finest_steps = 1;
-  double regularisation = 2.0;
-
-  static void fields(auto& self, auto&& field) {
-    field("window_px", self.window_px, Range{3, 63}, "side of the square integration window, odd");
-    field("levels", self.levels, Range{1, 10}, "maximum number of pyramid levels");
-    field("steps", self.steps, Range{1, 20}, "Gauss-Newton iterations on each coarse level");
-    field("finest_steps", self.finest_steps, Range{1, 20},
-          "Gauss-Newton iterations at full resolution");
-    field("regularisation", self.regularisation, kPositive,
-          "Tikhonov term of the mean structure tensor at full resolution, (grey/px)^2; a quarter "
-          "of it "
-          "on each coarser level");
-  }
-};
 
 /// Dense pyramidal Lucas-Kanade optical flow, one vector per pixel: LK(I(t+1), I(t)) of the flow
 /// paper (section 4, step 3).

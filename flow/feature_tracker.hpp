@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "flow/feature_tracker_config.hpp"
 #include "flow/feature_tracks.hpp"
 #include "flow/image_mask.hpp"
 #include "flow/patch_alignment.hpp"

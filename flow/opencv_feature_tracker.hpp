@@ -4,21 +4,10 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
+#include "flow/feature_tracker_config.hpp"
 #include "flow/feature_tracks.hpp"
-#include "geometry/fields.hpp"
 
 namespace stillkite {
-
-/// Defaults: hold paper, section III.
-struct OpenCvFeatureTrackerConfig {
-  int window_px = 35;
-  int max_level = 3;
-
-  static void fields(auto& self, auto&& field) {
-    field("window_px", self.window_px, Range{3, 99}, "side of the Lucas-Kanade integration window");
-    field("max_level", self.max_level, Range{0, 8}, "coarsest pyramid level; 0 is full resolution");
-  }
-};
 
 /// Feature tracking of the hold paper: pyramidal Lucas-Kanade (Bouguet) from the reference image,
 /// initialized in every frame at the reference positions.

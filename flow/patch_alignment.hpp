@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flow/affine_flow.hpp"
+#include "flow/feature_tracker_config.hpp"
 #include "flow/feature_tracks.hpp"
 #include "flow/image_mask.hpp"
 #include "flow/local_deformation.hpp"

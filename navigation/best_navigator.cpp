@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "estimation/fusion/error_state.hpp"
 #include "estimation/two_view/ground_relief.hpp"
+#include "navigation/estimate_parts.hpp"
 #include "navigation/motion_conversion.hpp"
-#include "navigation/stop_watch.hpp"
 
 namespace stillkite {
 namespace {
@@ -142,11 +143,7 @@ NavigationEstimate BestNavigator::answer(const NavigationEstimate& flow,
           scale_error_covariance(flow.twist_in_camera.velocity_m_s.norm(), height);
     }
   }
-  out.image_speed_px_s = flow.image_speed_px_s;
-  out.image_shift_px = flow.image_shift_px;
-  out.reference = reference.reference;
-  out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
-  return out;
+  return with_both_reports(std::move(out), flow, reference);
 }
 
 std::vector<WeightedFlow> BestNavigator::flow_vectors() const {

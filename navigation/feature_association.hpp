@@ -3,7 +3,10 @@
 #include <optional>
 #include <variant>
 
+#include "flow/feature_detection.hpp"
+#include "flow/feature_tracker.hpp"
 #include "flow/frame.hpp"
+#include "flow/opencv_feature_tracker.hpp"
 #include "navigation/reference_config.hpp"
 
 namespace stillkite {

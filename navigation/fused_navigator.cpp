@@ -5,6 +5,7 @@
 
 #include "estimation/two_view/ground_relief.hpp"
 #include "geometry/plane.hpp"
+#include "navigation/estimate_parts.hpp"
 #include "navigation/fusion_setup.hpp"
 #include "navigation/inertial_steps.hpp"
 #include "navigation/sensor_update.hpp"
@@ -18,12 +19,9 @@ Verdict unmeasured(Verdict reference) {
   return is_measured(reference) ? Verdict::too_few_inliers : reference;
 }
 
-// The reference estimator's; its motion is the filter's once that is in metres.
-NavigationEstimate with_report(NavigationEstimate out, const NavigationEstimate& reference,
-                               const MotionEstimate& since_reference) {
-  out.new_keyframe = reference.new_keyframe;
-  out.quality = reference.quality;
-  out.reference = reference.reference;
+// The report's motion is the filter's once that is in metres.
+NavigationEstimate with_fused_motion(NavigationEstimate out,
+                                     const MotionEstimate& since_reference) {
   if (out.verdict != Verdict::ok || out.scale == ScaleSource::none) return out;
   out.reference->motion = since_reference;
   out.reference->motion.scale_age_s = out.scale_age_s;
@@ -78,11 +76,9 @@ NavigationEstimate FusedNavigator::step(const Frame& frame, const FrameInterval&
   const Verdict verdict = interval.rejection              ? *interval.rejection
                           : seen.ground || seen.landmarks ? Verdict::ok
                                                           : unmeasured(reference.verdict);
-  NavigationEstimate out =
-      with_report(answer(frame, verdict, velocity), reference, since_reference);
-  out.image_speed_px_s = flow.image_speed_px_s;
-  out.image_shift_px = flow.image_shift_px;
-  out.stage_ms = sum_of_stages(flow.stage_ms, reference.stage_ms);
+  NavigationEstimate out = with_fused_motion(
+      with_both_reports(answer(frame, verdict, velocity, reference), flow, reference),
+      since_reference);
   out.stage_ms[static_cast<std::size_t>(Stage::filter)] += watch.lap_ms();
   return out;
 }
@@ -305,28 +301,26 @@ Eigen::Quaterniond FusedNavigator::world_from_half_way() const {
 }
 
 NavigationEstimate FusedNavigator::answer(const Frame& frame, Verdict verdict,
-                                          const VectorEstimate& velocity_in_camera) const {
-  NavigationEstimate out;
-  out.stamp = frame.stamp;
-  out.frame_index = frame.index;
-  out.verdict = verdict;
-  out.source = EstimateSource::fused;
-  const RigidTransform world_from_camera = filter_.world_from_camera_m();
-  out.world_from_body = world_from_camera * body_from_camera_.inverse();
-  out.world_from_initial =
-      RigidTransform{world_from_initial_, filter_.start_m()} * body_from_camera_.inverse();
-  out.pose_covariance = filter_.pose_covariance();
+                                          const VectorEstimate& velocity_in_camera,
+                                          const NavigationEstimate& reference) const {
+  // metres that were merely guessed are none
+  const bool is_metric = filter_.scale_sigma() < config_.metric_below_sigma_ratio;
+  EstimateParts parts{.verdict = verdict,
+                      .source = EstimateSource::fused,
+                      .camera = {.pose = {filter_.world_from_camera_m(), filter_.pose_covariance()},
+                                 .scale = is_metric ? scale_ : ScaleSource::none,
+                                 .scale_stamp = scale_stamp_},
+                      .world_from_initial_camera = {world_from_initial_, filter_.start_m()},
+                      .twist_in_camera = {velocity_in_camera.mean, rate_in_camera_rad_s_},
+                      .velocity_in_world_m_s = world_from_half_way() * velocity_in_camera.mean,
+                      .quality = reference.quality,
+                      .new_keyframe = reference.new_keyframe};
+  parts.twist_covariance.topLeftCorner<3, 3>() = velocity_in_camera.covariance;
+  parts.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
+  NavigationEstimate out = make_estimate(frame, body_from_camera_, parts);
   out.gravity_alignment = {.aligned_from_world = filter_.aligned_from_world(),
                            .pose_covariance = filter_.upright_pose_covariance(),
                            .sigma_rad = filter_.up_sigma_rad()};
-  out.velocity_in_world_m_s = world_from_half_way() * velocity_in_camera.mean;
-  out.twist_in_camera = {velocity_in_camera.mean, rate_in_camera_rad_s_};
-  out.twist_covariance.topLeftCorner<3, 3>() = velocity_in_camera.covariance;
-  out.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
-  // metres that were merely guessed are none
-  const bool is_metric = filter_.scale_sigma() < config_.metric_below_sigma_ratio;
-  out.scale = is_metric ? scale_ : ScaleSource::none;
-  if (out.scale != ScaleSource::none) out.scale_age_s = seconds_between(scale_stamp_, frame.stamp);
   return out;
 }
 

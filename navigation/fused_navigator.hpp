@@ -60,7 +60,8 @@ class FusedNavigator {
   [[nodiscard]] Eigen::Quaterniond world_from_half_way() const;
   [[nodiscard]] VectorEstimate mean_velocity(const NavigationEstimate& flow, bool flow_taken) const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict,
-                                          const VectorEstimate& velocity_in_camera) const;
+                                          const VectorEstimate& velocity_in_camera,
+                                          const NavigationEstimate& reference) const;
 
   Camera camera_;
   RigidTransform body_from_camera_;

@@ -1,89 +1,65 @@
 #include "navigation/hover_pilot.hpp"
 
+#include "flow/frame.hpp"
+#include "flow/frame_copies.hpp"
+#include "navigation/estimate_parts.hpp"
 #include "navigation/motion_conversion.hpp"
+#include "navigation/pilot_step.hpp"
+#include "navigation/station_attitude.hpp"
+#include "stabilization/hold_controller.hpp"
 
 namespace stillkite {
-namespace {
 
-// Motion since a later reference, in the axes of the first one. Rotation is chained to the first
-// reference; the displacement stays relative to the later one, since it has no length.
-MotionEstimate relative_to_first_reference(const MotionEstimate& motion,
-                                           const Eigen::Quaterniond& initial_from_camera) {
-  const Eigen::Quaterniond initial_from_reference =
-      initial_from_camera * motion.reference_from_camera.conjugate();
-  const Eigen::Matrix3d R = initial_from_reference.toRotationMatrix();
-  MotionEstimate out = motion;
-  out.reference_from_camera = initial_from_camera;
-  out.rotation_covariance = R * motion.rotation_covariance * R.transpose();
-  out.displacement_in_reference = R * motion.displacement_in_reference;
-  out.displacement_covariance = R * motion.displacement_covariance * R.transpose();
-  return out;
-}
-
-// The flow levels the current pose, not the initial one (index s). In initial axes, R_s^T R has the
-// additional error e_s and d = R_s^T (p - p_s) the error [d]x e_s. Both are assumed independent of
-// the current error, which is conservative until the flow is levelled.
-MotionEstimate with_initial_pose_error(const MotionEstimate& motion,
-                                       const Matrix6d& initial_covariance,
-                                       const Eigen::Quaterniond& world_from_initial) {
-  const Eigen::Matrix3d R = world_from_initial.conjugate().toRotationMatrix();
-  const Eigen::Matrix3d rotation_covariance =
-      R * initial_covariance.bottomRightCorner<3, 3>() * R.transpose();
-  const Eigen::Matrix3d D = skew(motion.displacement_in_reference);
-  MotionEstimate out = motion;
-  out.rotation_covariance += rotation_covariance;
-  out.displacement_covariance += D * rotation_covariance * D.transpose() +
-                                 R * initial_covariance.topLeftCorner<3, 3>() * R.transpose();
-  return out;
-}
-
-}  // namespace
-
-MotionEstimate motion_estimate(const NavigationEstimate& estimate,
-                               const Matrix6d& initial_covariance,
-                               const RigidTransform& body_from_camera) {
-  const RigidTransform world_from_initial = estimate.world_from_initial * body_from_camera;
-  const RigidTransform initial_from_camera =
-      world_from_initial.inverse() * (estimate.world_from_body * body_from_camera);
-  const bool is_fused_without_scale =
-      estimate.source == EstimateSource::fused && estimate.scale == ScaleSource::none;
-  if (estimate.reference &&
-      (estimate.source == EstimateSource::reference || is_fused_without_scale)) {
-    const MotionEstimate& since_reference = estimate.reference->motion;
-    return estimate.reference->on_first_reference
-               ? since_reference
-               : relative_to_first_reference(since_reference, initial_from_camera.rotation);
-  }
-  const MotionEstimate motion = motion_from_initial(estimate, world_from_initial, body_from_camera);
-  // the fusion's world is fixed by the first frame: no initial pose error
-  return estimate.source == EstimateSource::flow
-             ? with_initial_pose_error(motion, initial_covariance, world_from_initial.rotation)
-             : motion;
-}
+struct HoverPilot::State {
+  RigidTransform body_from_camera;
+  FrameCopies copies;
+  Navigator navigator;
+  HoldController controller;
+  StationAttitude attitude;
+  std::optional<Matrix6d> initial_covariance;  // of the first frame's pose
+};
 
 HoverPilot::HoverPilot(const Camera& camera, const RigidTransform& body_from_camera,
                        const NavigatorConfig& navigator, const EstimatorConfig& estimator,
-                       const HoldConfig& hold, const InitialState& initial)
-    : body_from_camera_(body_from_camera),
-      navigator_(camera, body_from_camera, navigator, initial, estimator),
-      controller_(hold) {}
+                       const HoldConfig& hold, const InitialState& initial,
+                       const std::optional<ImageView>& valid_pixels)
+    : state_(std::make_unique<State>(
+          State{.body_from_camera = body_from_camera,
+                .copies = FrameCopies(camera, valid_pixels),
+                .navigator = Navigator(camera, body_from_camera, navigator, initial, estimator),
+                .controller = HoldController(hold)})) {}
+HoverPilot::~HoverPilot() = default;
+HoverPilot::HoverPilot(HoverPilot&&) noexcept = default;
+HoverPilot& HoverPilot::operator=(HoverPilot&&) noexcept = default;
+
+HoldStep HoverPilot::step(const ImageView& image, Timestamp stamp,
+                          const TetheredReadings& readings) {
+  const PilotStep result = step(state_->copies.copy(image, stamp), readings);
+  return {.estimate = public_estimate(result.estimate, state_->body_from_camera),
+          .decision = result.decision};
+}
 
 PilotStep HoverPilot::step(const Frame& frame, const TetheredReadings& readings) {
+  State& state = *state_;
   PilotStep out;
   // 1. Estimate the camera motion.
-  out.estimate = navigator_.step(frame, readings.sensors);
-  if (!initial_covariance_) initial_covariance_ = out.estimate.pose_covariance;
+  out.estimate = state.navigator.step(frame, readings.sensors);
+  if (!state.initial_covariance) state.initial_covariance = out.estimate.pose_covariance;
   // 2. Attitude in the station's frame.
   const Eigen::Quaterniond integrated =
-      attitude_.step(out.estimate.world_from_body.rotation, readings.sensors.attitude);
+      state.attitude.step(out.estimate.world_from_body.rotation, readings.sensors.attitude);
   const Eigen::Quaterniond station_from_body = readings.station_from_body.value_or(integrated);
   // 3. Command that corrects the displacement.
-  out.decision = controller_.decide(
+  out.decision = state.controller.decide(
       {.now = readings.now,
-       .estimate = motion_estimate(out.estimate, *initial_covariance_, body_from_camera_),
+       .estimate = motion_estimate(out.estimate, *state.initial_covariance, state.body_from_camera),
        .tether = readings.tether,
-       .station_from_camera = station_from_body * body_from_camera_.rotation});
+       .station_from_camera = station_from_body * state.body_from_camera.rotation});
   return out;
+}
+
+std::vector<WeightedFlow> HoverPilot::flow_vectors() const {
+  return state_->navigator.flow_vectors();
 }
 
 }  // namespace stillkite

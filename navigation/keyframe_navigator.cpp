@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "navigation/assumptions.hpp"
+#include "navigation/estimate_parts.hpp"
 #include "navigation/image_texture.hpp"
 #include "navigation/motion_hypotheses.hpp"
 #include "navigation/stop_watch.hpp"
@@ -336,22 +337,16 @@ void KeyframeNavigator::take_keyframe() {
 
 NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict) const {
   const PoseEstimate& camera = track_.camera();
-  NavigationEstimate out;
-  out.stamp = frame.stamp;
-  out.frame_index = frame.index;
-  out.verdict = verdict;
-  out.world_from_body = camera.world_from_camera * body_from_camera_.inverse();
-  out.world_from_initial = track_.world_from_initial() * body_from_camera_.inverse();
-  out.pose_covariance = camera.covariance;
-  out.twist_in_camera = track_.filter().mean_twist_in_camera();
-  out.twist_covariance =
-      track_.filter().mean_twist_covariance() + scale_error_covariance(camera, out.twist_in_camera);
-  out.velocity_in_world_m_s = camera.world_from_camera.rotation * out.twist_in_camera.velocity_m_s;
-  out.scale = track_.scale();
-  if (out.scale != ScaleSource::none) {
-    out.scale_age_s = seconds_between(track_.scale_stamp(), frame.stamp);
-  }
-  return out;
+  const Twist twist_in_camera = track_.filter().mean_twist_in_camera();
+  return make_estimate(
+      frame, body_from_camera_,
+      {.verdict = verdict,
+       .camera = {.pose = camera, .scale = track_.scale(), .scale_stamp = track_.scale_stamp()},
+       .world_from_initial_camera = track_.world_from_initial(),
+       .twist_in_camera = twist_in_camera,
+       .twist_covariance = track_.filter().mean_twist_covariance() +
+                           scale_error_covariance(camera, twist_in_camera),
+       .velocity_in_world_m_s = camera.world_from_camera.rotation * twist_in_camera.velocity_m_s});
 }
 
 }  // namespace stillkite

@@ -20,4 +20,14 @@ namespace stillkite {
                                                  const RigidTransform& world_from_initial,
                                                  const RigidTransform& body_from_camera);
 
+/// Motion relative to the reference pose, for the controller; status per policy:
+/// docs/hold_control.md.
+/// - Reference, or fusion without a scale: motion since the reference frame. After a reference
+///   change the attitude is chained to the first one.
+/// - Flow, or fusion with a scale: motion since the first frame, metric if there is a scale.
+/// `initial_covariance`: pose covariance of the first frame's estimate.
+[[nodiscard]] MotionEstimate motion_estimate(const NavigationEstimate& estimate,
+                                             const Matrix6d& initial_covariance,
+                                             const RigidTransform& body_from_camera);
+
 }  // namespace stillkite

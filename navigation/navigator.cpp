@@ -5,10 +5,13 @@
 #include <cmath>
 #include <variant>
 
+#include "flow/frame.hpp"
+#include "flow/frame_copies.hpp"
 #include "flow/image_mask.hpp"
 #include "flow/static_overlay_detector.hpp"
 #include "navigation/best_navigator.hpp"
 #include "navigation/effective_config.hpp"
+#include "navigation/estimate_parts.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/fused_navigator.hpp"
 #include "navigation/keyframe_navigator.hpp"
@@ -81,6 +84,8 @@ SensorReadings drop_non_finite(SensorReadings readings) {
 
 struct Navigator::State {
   Camera camera;
+  RigidTransform body_from_camera;
+  FrameCopies copies;
   FrameClock clock;
   Method method;
   StaticOverlayDetector static_overlays;
@@ -89,15 +94,22 @@ struct Navigator::State {
 
 Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camera,
                      const NavigatorConfig& config, const InitialState& initial,
-                     const EstimatorConfig& estimator)
+                     const EstimatorConfig& estimator, const std::optional<ImageView>& valid_pixels)
     : state_(std::make_unique<State>(
           State{.camera = camera,
+                .body_from_camera = body_from_camera,
+                .copies = FrameCopies(camera, valid_pixels),
                 .clock = FrameClock(config.trust.max_gap_s),
                 .method = make_method(camera, body_from_camera, config, initial, estimator),
                 .static_overlays = {}})) {}
 Navigator::~Navigator() = default;
 Navigator::Navigator(Navigator&&) noexcept = default;
 Navigator& Navigator::operator=(Navigator&&) noexcept = default;
+
+Estimate Navigator::step(const ImageView& image, Timestamp stamp, const SensorReadings& readings) {
+  return public_estimate(step(state_->copies.copy(image, stamp), readings),
+                         state_->body_from_camera);
+}
 
 // The estimation steps are in the method's `step`: KeyframeNavigator, PaperNavigator,
 // ReferenceNavigator, BestNavigator or FusedNavigator.

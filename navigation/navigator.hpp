@@ -1,38 +1,51 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "flow/frame.hpp"
 #include "geometry/camera.hpp"
-#include "navigation/navigation_estimate.hpp"
+#include "geometry/image_view.hpp"
+#include "geometry/time.hpp"
+#include "navigation/estimate.hpp"
 #include "navigation/navigator_config.hpp"
 #include "navigation/sensor_readings.hpp"
 #include "navigation/weighted_flow.hpp"
 
 namespace stillkite {
 
+struct Frame;
+struct NavigationEstimate;
+
 /// GNSS-denied visual navigation with one camera: estimates pose and velocity of the body from each
 /// frame and optional sensor readings, by the configured estimator. One object per flight.
+/// Sources: docs/plane_odometry.md, docs/two_view_pose.md and docs/fusion.md, by policy.
 class Navigator {
  public:
-  /// `initial`: body pose at the first frame; its camera must be above the ground, z > 0.
-  /// Throws InputError if the camera, the initial state or the configuration is invalid.
+  /// `initial`: body pose at the first image; its camera must be above the ground, z > 0.
+  /// `valid_pixels`: mask, 0 where a pixel does not show the scene; copied, mode paper ignores it.
+  /// Throws InputError if the camera, the mask, the initial state or the configuration is invalid.
   Navigator(const Camera& camera, const RigidTransform& body_from_camera,
             const NavigatorConfig& config, const InitialState& initial,
-            const EstimatorConfig& estimator = {});
+            const EstimatorConfig& estimator = {},
+            const std::optional<ImageView>& valid_pixels = {});
   ~Navigator();
   Navigator(Navigator&&) noexcept;
   Navigator& operator=(Navigator&&) noexcept;
 
-  /// Estimates the state at the frame's stamp. `readings`: sensors since the previous frame.
+  /// Estimates the state at `stamp`, the exposure of the image's middle row. `readings`: sensors
+  /// since the previous image. The pixels are copied.
   /// An unusable image does not throw: its verdict names the cause, and the predicted state is
-  /// returned with a larger covariance. Throws InputError unless the image is CV_8UC1 of the
-  /// camera's size and its mask has the same size.
-  /// The pixels are shared, a keyframe's over many frames: use a new buffer for every image.
+  /// returned with a larger covariance. Throws InputError unless the image has the camera's size.
+  Estimate step(const ImageView& image, Timestamp stamp, const SensorReadings& readings = {});
+
+  /// The same for the command, with every internal figure and in the given initial attitude's
+  /// world. Throws InputError unless the image is CV_8UC1 of the camera's size and its mask has the
+  /// same size. The pixels are shared, a keyframe's over many frames: use a new buffer for every
+  /// image.
   NavigationEstimate step(const Frame& frame, const SensorReadings& readings = {});
 
-  /// Flow vectors of the last frame, for drawing; empty if nothing was measured.
+  /// Flow vectors of the last image, for drawing; empty if nothing was measured.
   [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;
 
  private:

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "estimation/ego_motion/motion_filter.hpp"
+#include "estimation/ego_motion/motion_filter_config.hpp"
 #include "estimation/fusion/fusion_config.hpp"
-#include "estimation/plane/keyframe_pose.hpp"
-#include "estimation/plane/plane_alignment.hpp"
+#include "estimation/plane/levelling_config.hpp"
+#include "estimation/plane/plane_alignment_config.hpp"
 #include "geometry/fields.hpp"
 #include "navigation/paper_config.hpp"
 #include "navigation/reference_config.hpp"
-#include "stabilization/estimate_choice.hpp"
+#include "stabilization/estimate_choice_config.hpp"
 
 namespace stillkite {
 

@@ -4,9 +4,9 @@
 #include <string_view>
 #include <utility>
 
-#include "estimation/ego_motion/kalman_filter.hpp"
+#include "estimation/ego_motion/kalman_filter_config.hpp"
 #include "estimation/ego_motion/least_squares_config.hpp"
-#include "flow/dense_lucas_kanade.hpp"
+#include "flow/dense_lucas_kanade_config.hpp"
 #include "geometry/fields.hpp"
 
 namespace stillkite {

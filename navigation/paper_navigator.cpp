@@ -6,6 +6,7 @@
 #include "estimation/ego_motion/integration.hpp"
 #include "estimation/ego_motion/motion_field.hpp"
 #include "navigation/assumptions.hpp"
+#include "navigation/estimate_parts.hpp"
 #include "navigation/image_texture.hpp"
 #include "navigation/stop_watch.hpp"
 
@@ -181,35 +182,29 @@ Twist PaperNavigator::mid_interval_twist() const {
 }
 
 NavigationEstimate PaperNavigator::answer(const Frame& frame, const EgoMotion& motion) const {
-  const RigidTransform& world_from_camera = track_.pose.world_from_camera;
-  NavigationEstimate out;
-  out.stamp = frame.stamp;
-  out.frame_index = frame.index;
-  out.verdict = motion.verdict;
-  out.world_from_body = world_from_camera * body_from_camera_.inverse();
-  out.world_from_initial = world_from_initial_ * body_from_camera_.inverse();
-  out.pose_covariance = track_.pose.covariance;
-  out.twist_in_camera = mid_interval_twist();
   Vector6d variance;
   for (int i = 0; i < 6; ++i) variance(i) = axes_[static_cast<std::size_t>(i)].variance;
   Matrix6d J = Matrix6d::Identity();
-  J.topLeftCorner<3, 3>() = world_from_camera.rotation.conjugate().toRotationMatrix();
-  out.twist_covariance = J * variance.asDiagonal() * J.transpose();
-  if (motion.verdict == Verdict::ok) out.measured_twist = motion.twist;
-  out.velocity_in_world_m_s = velocities().head<3>();
-  out.scale = track_.scale;
-  if (out.scale != ScaleSource::none) {
-    out.scale_age_s = seconds_between(track_.scale_stamp, frame.stamp);
-  }
+  J.topLeftCorner<3, 3>() = track_.pose.world_from_camera.rotation.conjugate().toRotationMatrix();
+  EstimateParts parts{.verdict = motion.verdict,
+                      .camera = track_,
+                      .world_from_initial_camera = world_from_initial_,
+                      .twist_in_camera = mid_interval_twist(),
+                      .velocity_in_world_m_s = velocities().head<3>()};
+  parts.twist_covariance = J * variance.asDiagonal() * J.transpose();
   double flow_px = 0;
   for (const FlowVector& vector : vectors_) flow_px += static_cast<double>(vector.flow_px.norm());
-  out.quality = {
+  parts.quality = {
       .flow_vectors = motion.vectors,
       .inlier_ratio = motion.inlier_ratio,
       .mean_flow_px = vectors_.empty() ? 0 : flow_px / static_cast<double>(vectors_.size()),
       .residual_px = motion.residual_px,
       .condition = std::isfinite(motion.condition) ? motion.condition : 0};
-  if (motion.verdict == Verdict::ok) out.image_speed_px_s = out.quality.mean_flow_px / dt_s_;
+  NavigationEstimate out = make_estimate(frame, body_from_camera_, parts);
+  if (motion.verdict == Verdict::ok) {
+    out.measured_twist = motion.twist;
+    out.image_speed_px_s = out.quality.mean_flow_px / dt_s_;
+  }
   return out;
 }
 

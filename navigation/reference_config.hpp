@@ -1,11 +1,10 @@
 #pragma once
 
-#include "estimation/two_view/opencv_relative_pose.hpp"
+#include "estimation/two_view/opencv_pose_config.hpp"
 #include "estimation/two_view/relative_pose_config.hpp"
-#include "estimation/two_view/rotation_gate.hpp"
-#include "flow/feature_detection.hpp"
-#include "flow/feature_tracker.hpp"
-#include "flow/opencv_feature_tracker.hpp"
+#include "estimation/two_view/rotation_gate_config.hpp"
+#include "flow/detector_config.hpp"
+#include "flow/feature_tracker_config.hpp"
 #include "geometry/fields.hpp"
 
 namespace stillkite {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "estimation/two_view/opencv_relative_pose.hpp"
 #include "estimation/two_view/relative_pose_estimator.hpp"
 #include "navigation/assumptions.hpp"
+#include "navigation/estimate_parts.hpp"
 #include "navigation/motion_conversion.hpp"
 #include "navigation/stop_watch.hpp"
 
@@ -181,38 +183,37 @@ void ReferenceNavigator::update_attitude(const RelativePoseEstimate& pose, Times
 }
 
 NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdict) const {
-  NavigationEstimate out;
-  out.source = EstimateSource::reference;
-  out.stamp = frame.stamp;
-  out.frame_index = frame.index;
-  out.verdict = verdict;
-  out.world_from_body =
-      RigidTransform{current_.world_from_camera, world_from_initial_.translation} *
-      body_from_camera_.inverse();
-  out.world_from_initial = world_from_initial_ * body_from_camera_.inverse();
+  EstimateParts parts{
+      .verdict = verdict,
+      .source = EstimateSource::reference,
+      .world_from_initial_camera = world_from_initial_,
+      .quality = {.flow_vectors = report_.features,
+                  .inlier_ratio = report_.features > 0
+                                      ? static_cast<double>(report_.inliers) / report_.features
+                                      : 0,
+                  .mean_flow_px = report_.motion.mean_shift_px,
+                  .residual_px = report_.residual_px},
+      .new_keyframe = report_.new_reference};
+  parts.camera.pose.world_from_camera = {current_.world_from_camera,
+                                         world_from_initial_.translation};
+  Matrix6d& pose_covariance = parts.camera.pose.covariance;
   // lengths are not measured: the position error is bounded by the speed_sigma only
   const double speed_sigma = kInitialSpeedSigma_heights_s * world_from_initial_.translation.z();
   const double displacement_sigma = speed_sigma * seconds_between(initial_stamp_, frame.stamp);
   const double unmeasured_s = seconds_between(current_.stamp, frame.stamp);
   const double rotation_sigma_rad = kInitialRateSigma_rad_s * unmeasured_s;
-  out.pose_covariance.diagonal().head<3>().setConstant(displacement_sigma * displacement_sigma +
-                                                       kExactVariance);
-  out.pose_covariance.bottomRightCorner<3, 3>() = current_.covariance;
-  out.pose_covariance.diagonal().tail<3>().array() += rotation_sigma_rad * rotation_sigma_rad;
-  out.twist_covariance.diagonal().head<3>().setConstant(speed_sigma * speed_sigma);
-  out.twist_covariance.diagonal().tail<3>().setConstant(kInitialRateSigma_rad_s *
-                                                        kInitialRateSigma_rad_s);
+  pose_covariance.diagonal().head<3>().setConstant(displacement_sigma * displacement_sigma +
+                                                   kExactVariance);
+  pose_covariance.bottomRightCorner<3, 3>() = current_.covariance;
+  pose_covariance.diagonal().tail<3>().array() += rotation_sigma_rad * rotation_sigma_rad;
+  parts.twist_covariance.diagonal().head<3>().setConstant(speed_sigma * speed_sigma);
+  parts.twist_covariance.diagonal().tail<3>().setConstant(kInitialRateSigma_rad_s *
+                                                          kInitialRateSigma_rad_s);
   if (twist_) {
-    out.twist_in_camera = *twist_;
-    out.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
+    parts.twist_in_camera = *twist_;
+    parts.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
   }
-  out.quality = {.flow_vectors = report_.features,
-                 .inlier_ratio = report_.features > 0
-                                     ? static_cast<double>(report_.inliers) / report_.features
-                                     : 0,
-                 .mean_flow_px = report_.motion.mean_shift_px,
-                 .residual_px = report_.residual_px};
-  out.new_keyframe = report_.new_reference;
+  NavigationEstimate out = make_estimate(frame, body_from_camera_, parts);
   out.reference = report_;
   out.reference->motion.stamp = frame.stamp;
   out.reference->motion.source = EstimateSource::reference;

@@ -1,11 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <chrono>
-#include <functional>
-
-#include "navigation/navigation_estimate.hpp"
 
 namespace stillkite {
 
@@ -22,12 +17,5 @@ class StopWatch {
  private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-/// Stage times of two estimators, added.
-[[nodiscard]] inline std::array<double, kStageCount> sum_of_stages(
-    std::array<double, kStageCount> a, const std::array<double, kStageCount>& b) {
-  std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());
-  return a;
-}
 
 }  // namespace stillkite

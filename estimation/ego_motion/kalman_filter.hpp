@@ -4,10 +4,9 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <optional>
-#include <utility>
 
+#include "estimation/ego_motion/kalman_filter_config.hpp"
 #include "estimation/twist.hpp"
-#include "geometry/fields.hpp"
 
 namespace stillkite {
 
@@ -34,38 +33,6 @@ struct AxisSteadyState {
 };
 [[nodiscard]] AxisSteadyState axis_steady_state(double process_variance,
                                                 double measurement_variance);
-
-/// Measurement variance: configured (flow paper) or estimated by the least squares.
-enum class MeasurementVariance { fixed, measured };
-
-template <>
-struct EnumNames<MeasurementVariance> {
-  static constexpr auto value = std::to_array<std::pair<MeasurementVariance, std::string_view>>(
-      {{MeasurementVariance::fixed, "fixed"}, {MeasurementVariance::measured, "measured"}});
-};
-
-/// Six scalar Kalman filters, one per velocity component. Defaults: flow paper, section 5.1;
-/// process noise per step.
-struct KalmanFilterConfig {
-  MeasurementVariance variance = MeasurementVariance::fixed;
-  double velocity_sigma_m_s = 0.3;
-  double angular_rate_sigma_rad_s = 0.00015;
-  double velocity_process_sigma_m_s = 0.1;
-  double angular_rate_process_sigma_rad_s = 0.017;
-
-  static void fields(auto& self, auto&& field) {
-    field("variance", self.variance,
-          "measurement variance: configured below, or estimated per frame");
-    field("velocity_sigma_m_s", self.velocity_sigma_m_s, Range{1e-9, 1e9},
-          "standard deviation of a velocity measurement, per axis");
-    field("angular_rate_sigma_rad_s", self.angular_rate_sigma_rad_s, Range{1e-9, 1e9},
-          "standard deviation of an angular rate measurement, per axis");
-    field("velocity_process_sigma_m_s", self.velocity_process_sigma_m_s, Range{0, 1e9},
-          "standard deviation of the velocity change per step, per axis");
-    field("angular_rate_process_sigma_rad_s", self.angular_rate_process_sigma_rad_s, Range{0, 1e9},
-          "standard deviation of the angular rate change per step, per axis");
-  }
-};
 
 /// State V = (V_x, V_y, V_z, w_x, w_y, w_z): velocity in world, angular rate in camera.
 using AxisEstimates = std::array<AxisEstimate, 6>;

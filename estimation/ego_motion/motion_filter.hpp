@@ -2,23 +2,11 @@
 
 #include <Eigen/Core>
 
+#include "estimation/ego_motion/motion_filter_config.hpp"
 #include "estimation/twist.hpp"
-#include "geometry/fields.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
-
-struct MotionFilterConfig {
-  double acceleration_density = 0.2;
-  double angular_acceleration_density = 0.3;
-
-  static void fields(auto& self, auto&& field) {
-    field("acceleration_density", self.acceleration_density, Range{1e-9, 1e9},
-          "noise density of the linear acceleration, m/s^2/sqrt(Hz)");
-    field("angular_acceleration_density", self.angular_acceleration_density, Range{1e-9, 1e9},
-          "noise density of the angular acceleration, rad/s^2/sqrt(Hz)");
-  }
-};
 
 /// Constant-velocity Kalman filter of a camera, driven by white acceleration (Bar-Shalom et al.
 /// 2001, section 6.2). Measurements: poses with white errors and full covariance (keyframe

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "estimation/plane/levelling_config.hpp"
 #include "estimation/plane/plane_alignment.hpp"
 #include "geometry/rigid_transform.hpp"
 
@@ -10,21 +11,6 @@ namespace stillkite {
 struct PoseEstimate {
   RigidTransform world_from_camera;
   Matrix6d covariance = Matrix6d::Zero();
-};
-
-/// Correction of roll and pitch by the estimated normal of the ground plane.
-struct LevellingConfig {
-  bool enabled = true;
-  double ground_slope_sigma_rad = 0.0005;
-  double flow_sigma_rad = 1e-5;
-
-  static void fields(auto& self, auto&& field) {
-    field("enabled", self.enabled, "correct roll and pitch by the normal of the ground plane");
-    field("ground_slope_sigma_rad", self.ground_slope_sigma_rad, kNonNegative,
-          "standard deviation of the ground slope within one image, rad");
-    field("flow_sigma_rad", self.flow_sigma_rad, kNonNegative,
-          "standard deviation of spatially smooth flow errors (lens, rolling shutter), rad");
-  }
 };
 
 /// Plane motion from the keyframe to a camera pose; initial value of the alignment.

@@ -4,34 +4,16 @@
 #include <vector>
 
 #include "estimation/ego_motion/plane_motion.hpp"
+#include "estimation/plane/plane_alignment_config.hpp"
 #include "estimation/plane/plane_solver.hpp"
 #include "estimation/plane/plane_tiles.hpp"
 #include "flow/image_mask.hpp"
 #include "flow/pyramid.hpp"
 #include "flow/tile_flow.hpp"
 #include "geometry/camera.hpp"
-#include "geometry/fields.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
-
-/// Pyramid, tile size and solver of the alignment.
-struct PlaneAlignmentConfig {
-  int levels = 4;
-  int tile_columns = 16;
-  int tile_rows = 8;
-  bool exact_warp = true;
-  PlaneSolverConfig solver;
-
-  static void fields(auto& self, auto&& field) {
-    field("levels", self.levels, Range{1, 8}, "pyramid levels, including the full resolution");
-    field("tile_columns", self.tile_columns, Range{16, 32}, "tile width: 16 or 32 px");
-    field("tile_rows", self.tile_rows, Range{8, TileGrid::kMaxRows}, "tile height, px");
-    field("exact_warp", self.exact_warp,
-          "exact warp of every pixel in strongly deformed tiles, instead of first order");
-    field("solver", self.solver, "least squares over the tiles");
-  }
-};
 
 /// Rolling shutter; stamp and pose of a frame are those of its middle row. Twists: of the camera at
 /// the two frames, in camera, velocities in heights/s of the reference.

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "estimation/ego_motion/plane_motion.hpp"
+#include "estimation/plane/plane_alignment_config.hpp"
 #include "estimation/plane/plane_tiles.hpp"
-#include "geometry/fields.hpp"
 
 namespace stillkite {
 
@@ -15,21 +15,6 @@ struct TiltPrior {
   TiltAxes axes = TiltAxes::Identity();
   std::optional<Eigen::Matrix2d> covariance;  ///< rad^2; nullopt: normal fixed
   double flow_sigma_rad = 0;  ///< spatially smooth flow error, not observable in tile residuals
-};
-
-/// Robust least squares of one Gauss-Newton step.
-struct PlaneSolverConfig {
-  bool robust = true;
-  double outlier_sigma = 3.0;
-  int reweightings = 2;
-
-  static void fields(auto& self, auto&& field) {
-    field("robust", self.robust, "robust loss on the tile residuals");
-    field("outlier_sigma", self.outlier_sigma, Range{1e-9, 1e9},
-          "normalized residual at which a tile's weight is 1/4, in standard deviations");
-    field("reweightings", self.reweightings, Range{0, 20},
-          "reweighted solutions per Lucas-Kanade step, after the unweighted one");
-  }
 };
 
 /// Lucas-Kanade measurements of the tiles of one pyramid level.

@@ -3,21 +3,9 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "geometry/fields.hpp"
+#include "estimation/two_view/rotation_gate_config.hpp"
 
 namespace stillkite {
-
-struct RotationGateConfig {
-  double max_change_deg = 5;
-  int max_consecutive_rejections = 3;
-
-  static void fields(auto& self, auto&& field) {
-    field("max_change_deg", self.max_change_deg, Range{0.01, 180},
-          "maximum rotation from the last accepted frame");
-    field("max_consecutive_rejections", self.max_consecutive_rejections, Range{0, 1000},
-          "maximum number of consecutive rejections; the next frame is accepted");
-  }
-};
 
 /// Outlier rejection of the hold paper, section III. Rejects a rotation that differs by more than
 /// `max_change_deg` from the last accepted one, at most `max_consecutive_rejections` times; then

@@ -10,10 +10,10 @@
 #include <thread>
 #include <variant>
 
+#include "flow/image_pool.hpp"
 #include "io/dataset/euroc_dataset.hpp"
 #include "io/text_file.hpp"
 #include "io/video/bounded_queue.hpp"
-#include "io/video/image_pool.hpp"
 #include "io/video/image_sequence.hpp"
 #include "io/video/video_reader.hpp"
 

@@ -2,6 +2,7 @@
 
 #include "geometry/euler.hpp"
 #include "navigation/hover_pilot.hpp"
+#include "navigation/pilot_step.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/hover/fault_effects.hpp"
 #include "simulation/hover/hover_streams.hpp"

@@ -4,7 +4,9 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "flow/frame.hpp"
 #include "geometry/angle.hpp"
+#include "navigation/navigation_estimate.hpp"
 #include "navigation/navigator.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/render/develop.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angle.hpp"
+#include "navigation/pilot_step.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/hover/hover_trial.hpp"
 #include "simulation/render/develop.hpp"

@@ -6,7 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "navigation/hover_pilot.hpp"
+#include "flow/frame.hpp"
+#include "navigation/motion_conversion.hpp"
+#include "navigation/navigation_estimate.hpp"
+#include "navigation/navigator.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/render/develop.hpp"
 #include "simulation/render/renderer.hpp"

@@ -5,7 +5,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "flow/frame.hpp"
 #include "geometry/angle.hpp"
+#include "navigation/navigation_estimate.hpp"
 #include "navigation/navigator.hpp"
 #include "simulation/camera_mount.hpp"
 #include "simulation/render/develop.hpp"

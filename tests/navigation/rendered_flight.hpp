@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "flow/frame.hpp"
+#include "navigation/navigation_estimate.hpp"
 #include "navigation/navigator.hpp"
 #include "simulation/flight/simulate.hpp"
 

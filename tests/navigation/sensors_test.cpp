@@ -3,7 +3,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "navigation/hover_pilot.hpp"
+#include "navigation/motion_conversion.hpp"
 #include "tests/navigation/rendered_flight.hpp"
 
 namespace stillkite {

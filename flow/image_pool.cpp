@@ -1,4 +1,4 @@
-#include "io/video/image_pool.hpp"
+#include "flow/image_pool.hpp"
 
 #include <algorithm>
 #include <opencv2/core.hpp>
