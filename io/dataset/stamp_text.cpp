@@ -60,7 +60,7 @@ std::optional<Timestamp> parse_stamp(std::string_view text, int unit_exponent) {
     const auto cut = static_cast<std::size_t>(-shift);
     if (cut > digits.size()) return Timestamp{0};
     round_up = digits[digits.size() - cut] >= '5';
-    digits.resize(digits.size() - cut);
+    digits.erase(digits.size() - cut);
   }
   std::int64_t value = 0;
   if (!digits.empty()) {
