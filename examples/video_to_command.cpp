@@ -1,5 +1,5 @@
 // Position hold from a video: for each image, the tether command that returns the drone to its
-// initial position. Camera of configs/simulate_demo.yaml, 20 m above ground, 20 m tether.
+// initial position. Camera of configs/simulate_demo.yaml, 20 m above ground, 15 m tether at 60 deg.
 #include <cstdio>
 #include <exception>
 #include <numbers>
@@ -27,16 +27,17 @@ void print(const Estimate& estimate, const HoldDecision& decision) {
     std::printf(", at %6.2f %6.2f %6.2f m", at_m.x(), at_m.y(), at_m.z());
   }
   const TetherCommand& c = decision.command;
-  std::printf(": %s, reel %+.3f m/s, elevation %+.3f, azimuth %+.3f, yaw %+.3f rad/s\n",
-              name_of(decision.action).data(), c.length_rate_m_s, c.elevation_rate_rad_s,
-              c.azimuth_rate_rad_s, c.yaw_rate_rad_s);
+  std::printf(": %s (%s), reel %+.3f m/s, elevation %+.3f, azimuth %+.3f, yaw %+.3f rad/s\n",
+              name_of(decision.action).data(), name_of(decision.reason).data(), c.length_rate_m_s,
+              c.elevation_rate_rad_s, c.azimuth_rate_rad_s, c.yaw_rate_rad_s);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
   cv::VideoCapture video(argc == 2 ? argv[1] : "");
-  if (!video.isOpened()) return std::fputs("usage: video_to_command FLIGHT.mp4\n", stderr), 2;
+  const double frames_per_s = video.get(cv::CAP_PROP_FPS);
+  if (!(frames_per_s > 0)) return std::fputs("usage: video_to_command FLIGHT.mp4\n", stderr), 2;
   const Camera camera{640, 480, 480, 480, 319.5, 239.5};
   const InitialState initial{.world_from_body = {.translation = {0, 0, 20}},
                              .scale = ScaleSource::initial_height};
@@ -46,8 +47,8 @@ int main(int argc, char** argv) try {
   cv::Mat colour, grey;
   for (int i = 0; video.read(colour); ++i) {
     cv::cvtColor(colour, grey, cv::COLOR_BGR2GRAY);
-    const Timestamp stamp = from_seconds(i / video.get(cv::CAP_PROP_FPS));
-    const TetherReading tether{stamp, {20, std::numbers::pi / 3, 0}};
+    const Timestamp stamp = from_seconds(i / frames_per_s);
+    const TetherReading tether{stamp, {15, std::numbers::pi / 3, 0}};
     const ImageView image{grey.data, grey.cols, grey.rows, static_cast<std::ptrdiff_t>(grey.step)};
     const HoldStep step = pilot.step(image, stamp, {.now = stamp, .tether = tether});
     print(step.estimate, step.decision);

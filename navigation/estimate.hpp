@@ -11,13 +11,15 @@
 
 namespace stillkite {
 
-/// Position and velocity in metres, with their source of scale.
+/// Position and velocity in metres, with their source of scale. The covariances exclude the error
+/// of an initial height, an unknown constant factor, until a sensor measures the height.
 struct MetricState {
   Eigen::Vector3d position_in_world_m = Eigen::Vector3d::Zero();     ///< of the body
   Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Zero();  ///< in W
-  Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();   ///< of the camera
-  Eigen::Vector3d velocity_in_camera_m_s =
-      Eigen::Vector3d::Zero();  ///< mean over the interval, in C at its middle
+  /// Velocity of the camera, mean over the interval that ends at the stamp (mode paper: filtered
+  /// value). In W, and in C in the middle of the interval.
+  Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_in_camera_m_s = Eigen::Vector3d::Zero();
   Eigen::Matrix3d velocity_covariance_m2_s2 = Eigen::Matrix3d::Zero();  ///< in C
   ScaleSource scale = ScaleSource::none;                                ///< never `none`
   double scale_age_s = 0;  ///< since the last reading of that source
@@ -56,7 +58,7 @@ struct Estimate {
 
   Eigen::Quaterniond world_from_body = Eigen::Quaterniond::Identity();
   Eigen::Matrix3d attitude_covariance_rad2 = Eigen::Matrix3d::Zero();  ///< rotation vector, in W
-  Eigen::Vector3d angular_rate_in_camera_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_rate_in_camera_rad_s = Eigen::Vector3d::Zero();     ///< interval as above
   Eigen::Matrix3d angular_rate_covariance_rad2_s2 = Eigen::Matrix3d::Zero();  ///< in C
 
   std::optional<MetricState> metric;       ///< empty without a source of scale

@@ -17,8 +17,8 @@ struct PilotStep;
 struct TetheredReadings {
   Timestamp now;                        ///< time of the command, not before the exposure
   std::optional<TetherReading> tether;  ///< latest reading
-  /// Attitude at the exposure (IMU, yaw zeroed at take-off); empty: integrated from the
-  /// images, initial yaw 0.
+  /// Attitude at the exposure (IMU, yaw zeroed at take-off); empty: `sensors.attitude`, else
+  /// integrated from the images, initial yaw 0.
   std::optional<Eigen::Quaterniond> station_from_body;
   SensorReadings sensors;  ///< readings for the navigator
 };
@@ -46,7 +46,7 @@ class HoverPilot {
   /// Estimate and command from an image; pixels, stamp and errors as for Navigator::step.
   HoldStep step(const ImageView& image, Timestamp stamp, const TetheredReadings& readings);
 
-  /// The same for the command, as Navigator::step does; the pixels are shared.
+  /// Internal, for the program `stillkite`: as Navigator::step(Frame); the pixels are shared.
   PilotStep step(const Frame& frame, const TetheredReadings& readings);
 
   [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;

@@ -46,6 +46,7 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
     return FusedNavigator(camera, body_from_camera,
                           effective_config(config, estimator.policy, initial.scale), initial);
   }
+  // policy flow
   if (estimator.mode == Mode::paper)
     return PaperNavigator(camera, body_from_camera, config, initial);
   return KeyframeNavigator(camera, body_from_camera, config, initial);

@@ -24,7 +24,8 @@ class Navigator {
  public:
   /// `initial`: body pose at the first image; its camera must be above the ground, z > 0.
   /// `valid_pixels`: mask, 0 where a pixel does not show the scene; copied, mode paper ignores it.
-  /// Throws InputError if the camera, the mask, the initial state or the configuration is invalid.
+  /// Throws InputError if camera, mask or initial state is invalid, or keys contradict each other.
+  /// The ranges of single keys (`fields`) are checked where YAML is read, not here.
   Navigator(const Camera& camera, const RigidTransform& body_from_camera,
             const NavigatorConfig& config, const InitialState& initial,
             const EstimatorConfig& estimator = {},
@@ -36,13 +37,14 @@ class Navigator {
   /// Estimates the state at `stamp`, the exposure of the image's middle row. `readings`: sensors
   /// since the previous image. The pixels are copied.
   /// An unusable image does not throw: its verdict names the cause, and the predicted state is
-  /// returned with a larger covariance. Throws InputError unless the image has the camera's size.
+  /// returned with a larger covariance. Throws InputError on null data, a stride below the width,
+  /// or another size than the camera's.
   Estimate step(const ImageView& image, Timestamp stamp, const SensorReadings& readings = {});
 
-  /// The same for the command, with every internal figure and in the given initial attitude's
-  /// world. Throws InputError unless the image is CV_8UC1 of the camera's size and its mask has the
-  /// same size. The pixels are shared, a keyframe's over many frames: use a new buffer for every
-  /// image.
+  /// Internal, for the program `stillkite` (`Frame` is not installed): every internal figure, in
+  /// the world of the given initial attitude. Throws InputError unless the image is CV_8UC1 of the
+  /// camera's size and its mask has the same size. The pixels are shared, a keyframe's over many
+  /// frames: use a new buffer for every image.
   NavigationEstimate step(const Frame& frame, const SensorReadings& readings = {});
 
   /// Flow vectors of the last image, for drawing; empty if nothing was measured.

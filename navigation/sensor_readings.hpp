@@ -11,10 +11,13 @@
 
 namespace stillkite {
 
-/// Body pose at the first frame. Without a scale, estimates are in initial heights.
+/// Body pose at the first frame.
 struct InitialState {
-  RigidTransform world_from_body;         ///< z: height above the ground
-  ScaleSource scale = ScaleSource::none;  ///< source of that height; none: lengths are relative
+  /// z: height above the ground, positive for every policy; 1 if unknown.
+  RigidTransform world_from_body;
+  /// Source of that height: `initial_height` if z is in metres; none: estimates are in initial
+  /// heights and have no metric part.
+  ScaleSource scale = ScaleSource::none;
 };
 
 /// Height of the body above the ground. A range finder measures along the body's -z: h = r
@@ -36,13 +39,15 @@ struct InertialReading {
 /// are not finite are ignored.
 struct SensorReadings {
   std::optional<Eigen::Vector3d> mean_angular_rate_in_body_rad_s;  ///< gyro, mean over the interval
-  /// Height above the ground; for a range finder the distance along the body's -z.
+  /// Height above the ground (a barometer's after its offset); for a range finder the distance
+  /// along the body's -z.
   std::optional<double> height_m;
   ScaleSource height_source = ScaleSource::range;  ///< sensor of `height_m`
-  std::optional<Eigen::Quaterniond> attitude;      ///< world_from_body
+  std::optional<Eigen::Quaterniond> attitude;  ///< world_from_body; the flow uses roll and pitch
   /// a(t) of the flow paper, eq. (3): linear in the world (m/s^2), angular in the body (rad/s^2).
+  /// Mode paper only.
   std::optional<Vector6d> acceleration;
-  std::vector<InertialReading> inertial;  ///< IMU readings of the interval, ascending
+  std::vector<InertialReading> inertial;  ///< of the interval, ascending; policy fused only
 };
 
 }  // namespace stillkite

@@ -1,6 +1,7 @@
 #pragma once
 
-// The library's public interface. Frames, units and signs: docs/notation.md.
+// The library's public interface. Frames, units and signs: docs/notation.md. Wrong input throws
+// InputError (geometry/fields.hpp).
 //
 //     Navigator navigator(camera, body_from_camera, {}, initial);
 //     const Estimate estimate = navigator.step(image, stamp, readings);
@@ -14,4 +15,4 @@
 #include "navigation/navigator.hpp"         // Navigator: images and readings to estimates
 #include "navigation/navigator_config.hpp"  // EstimatorConfig, NavigatorConfig
 #include "navigation/sensor_readings.hpp"   // SensorReadings, InitialState
-#include "stabilization/hold_controller.hpp"  // HoldController: motion estimates to commands
+#include "stabilization/hold_controller.hpp"  // HoldController, for an estimator of your own
