@@ -59,7 +59,7 @@ Reader open_reader(const SourceConfig& config) {
     }
     if (config.bits)
       throw InputError("source.bits: only for 16-bit image files; remove it for a video");
-    return VideoReader(path, config.start_s, config.rate_hz);
+    return VideoReader(config);
   }
   if (const auto dataset = find_euroc_dataset(path)) {
     return ImageSequence(images_between(read_image_list(dataset->images_csv), config), config.bits);
@@ -211,7 +211,7 @@ std::optional<std::string> FrameSource::problem() const {
     found += (found.empty() ? "" : "; ") + sentence;
   };
   const auto* video = std::get_if<VideoReader>(&s.reader);
-  if (video != nullptr && video->non_square_pixels()) add(*video->non_square_pixels());
+  if (video != nullptr) std::ranges::for_each(video->notes(), add);
   // the decoding thread owns the reader until the end
   if (s.at_end && s.reader_ended && video != nullptr) {
     if (const std::optional<std::string> truncation = video->truncation()) add(*truncation);

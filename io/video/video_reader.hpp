@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "io/config/source_config.hpp"
 #include "io/video/read_result.hpp"
 
 namespace stillkite {
@@ -20,7 +20,7 @@ class VideoReader {
   /// Stamps are those of the file, relative to its first image, or image number / rate_hz. Images
   /// before `start_s` are skipped. Throws InputError if there is no decodable video, or if the
   /// display matrix mirrors or does not rotate by a multiple of 90 deg.
-  VideoReader(const std::filesystem::path& file, double start_s, std::optional<double> rate_hz);
+  explicit VideoReader(const SourceConfig& config);
   ~VideoReader();
   VideoReader(VideoReader&&) noexcept;
   VideoReader& operator=(VideoReader&&) noexcept;
@@ -32,8 +32,8 @@ class VideoReader {
   /// True if the display matrix rotates the images, so that image rows are not sensor rows.
   [[nodiscard]] bool is_rotated() const;
 
-  /// Message if the pixel aspect ratio is not 1; nullopt otherwise.
-  [[nodiscard]] std::optional<std::string> non_square_pixels() const;
+  /// Messages on pixels that are not square; empty without any.
+  [[nodiscard]] std::vector<std::string> notes() const;
 
   /// Duration in the file's header; nullopt if unknown.
   [[nodiscard]] std::optional<double> duration_s() const;

@@ -1,0 +1,79 @@
+#include "io/video/video_track.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+
+#include "geometry/fields.hpp"
+#include "io/video/display_rotation.hpp"
+
+namespace stillkite {
+namespace {
+
+LibavInput<AVFormatContext> open_container(const std::string& file) {
+  AVDictionary* options = nullptr;
+  // no network access by play lists
+  av_dict_set(&options, "protocol_whitelist", "file", 0);
+  AVFormatContext* context = nullptr;
+  const int error = avformat_open_input(&context, file.c_str(), nullptr, &options);
+  av_dict_free(&options);
+  if (error < 0) {
+    throw InputError(file +
+                     ": not a video file, or its header or index is missing (interrupted recording "
+                     "or download)");
+  }
+  LibavInput<AVFormatContext> container(context);
+  if (avformat_find_stream_info(context, nullptr) < 0) {
+    throw InputError(file + ": cannot read the streams; the file is damaged");
+  }
+  return container;
+}
+
+LibavInput<AVCodecContext> open_decoder(const AVStream& stream, const std::string& file) {
+  const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
+  LibavInput<AVCodecContext> decoder(avcodec_alloc_context3(codec));
+  decoder->thread_count = 0;  // one per core
+  if (codec == nullptr || avcodec_parameters_to_context(decoder.get(), stream.codecpar) < 0) {
+    throw InputError(fmt::format("{}: no decoder for {} video", file,
+                                 avcodec_get_name(stream.codecpar->codec_id)));
+  }
+  decoder->framerate = {0, 1};  // may be the demuxer's
+  if (avcodec_open2(decoder.get(), codec, nullptr) < 0) {
+    throw InputError(fmt::format("{}: the {} decoder does not support this video", file,
+                                 avcodec_get_name(stream.codecpar->codec_id)));
+  }
+  return decoder;
+}
+
+int select_stream(AVFormatContext& container, const std::string& file) {
+  const AVCodec* codec = nullptr;  // demands a track with a decoder
+  const int best = av_find_best_stream(&container, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+  if (best < 0) throw InputError(file + ": no video stream that can be decoded");
+  return best;
+}
+
+}  // namespace
+
+VideoTrack open_video_track(const std::string& file) {
+  VideoTrack opened{.container = open_container(file)};
+  const int index = select_stream(*opened.container, file);
+  opened.stream = opened.container->streams[index];
+  opened.decoder = open_decoder(*opened.stream, file);
+  for (unsigned i = 0; i < opened.container->nb_streams; ++i) {
+    if (static_cast<int>(i) != index) opened.container->streams[i]->discard = AVDISCARD_ALL;
+  }
+  return opened;
+}
+
+std::optional<cv::RotateFlags> stored_rotation(const VideoTrack& track, const std::string& file) {
+  std::array<std::int32_t, 9> matrix{};
+  std::size_t bytes = 0;
+  const std::uint8_t* mark =
+      av_stream_get_side_data(track.stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes);
+  if (mark == nullptr || bytes < sizeof(matrix)) return std::nullopt;
+  std::memcpy(matrix.data(), mark, sizeof(matrix));
+  return display_rotation(matrix, file);
+}
+
+}  // namespace stillkite

@@ -1,0 +1,39 @@
+#pragma once
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+
+namespace stillkite {
+
+struct CloseInput {
+  void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
+  void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
+  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+};
+template <typename T>
+using LibavInput = std::unique_ptr<T, CloseInput>;
+
+/// One video track of an open file.
+struct VideoTrack {
+  LibavInput<AVFormatContext> container;  ///< discards the packets of other tracks
+  AVStream* stream = nullptr;             ///< owned by the container
+  LibavInput<AVCodecContext> decoder;
+};
+
+/// Opens the video track that libavformat ranks first. Throws InputError if the file cannot be
+/// read, or if there is no decoder for it.
+[[nodiscard]] VideoTrack open_video_track(const std::string& file);
+
+/// Rotation by the track's display matrix; errors as display_rotation.
+[[nodiscard]] std::optional<cv::RotateFlags> stored_rotation(const VideoTrack& track,
+                                                             const std::string& file);
+
+}  // namespace stillkite

@@ -1,0 +1,115 @@
+#include "tests/io/video/coded_video.hpp"
+
+extern "C" {
+#include <libavutil/frame.h>
+#include <libavutil/pixdesc.h>
+}
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <opencv2/core.hpp>
+
+#include "io/text_file.hpp"
+#include "io/video/frame_source.hpp"
+#include "tests/io/temporary_folder.hpp"
+
+namespace stillkite {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<Frame> frames_of(const SourceConfig& config, std::string* problem = nullptr) {
+  FrameSource source(config);
+  std::vector<Frame> frames;
+  while (std::optional<Frame> frame = source.next()) frames.push_back(*frame);
+  if (problem != nullptr) *problem = source.problem().value_or("");
+  return frames;
+}
+
+// Sets the luma of 8 or 16 bits, of an equal value in each line.
+void paint_lines(AVFrame& frame, const std::function<int(int)>& value_of_line) {
+  const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  const int plane = format->comp[0].plane;
+  std::memset(frame.buf[plane]->data, 0, frame.buf[plane]->size);  // lines are written by OR
+  for (int y = 0; y < frame.height; ++y) {
+    std::vector<std::uint16_t> line(static_cast<std::size_t>(frame.width),
+                                    static_cast<std::uint16_t>(value_of_line(y)));
+    av_write_image_line2(line.data(), frame.data, frame.linesize, format, 0, y, 0, frame.width,
+                         sizeof(std::uint16_t));
+  }
+}
+
+std::function<void(AVFrame&, int)> uniform(const std::function<int(int)>& value_of_image) {
+  return [=](AVFrame& frame, int i) { paint_lines(frame, [&](int) { return value_of_image(i); }); };
+}
+
+double max_difference(const cv::Mat& a, const cv::Mat& b) {
+  return cv::norm(a, b, cv::NORM_INF);
+}
+
+struct Stream {
+  std::string file;
+  std::string codec;
+  std::string options;
+};
+
+// Lossless or nearly so; keyframes every 30 images, with references across them in an open GOP.
+const std::vector<Stream> kX264{
+    {"a.ts", "libx264", "g=30;bf=2;qp=0;preset=veryfast"},
+    {"b.mpg", "libx264", "g=30;bf=2;qp=0;preset=veryfast"},
+    {"c.ts", "libx264", "g=30;bf=3;qp=0;preset=veryfast;x264-params=open-gop=1"},
+    {"d.mp4", "libx264", "g=30;bf=3;qp=0;preset=veryfast;x264-params=open-gop=1"},
+    {"e.ts", "libx264", "g=30;bf=0;qp=0;preset=veryfast;intra-refresh=1"},
+    {"f.h264", "libx264", "g=30;bf=2;qp=0;preset=veryfast"}};
+const std::vector<Stream> kX265{
+    {"a.ts", "libx265", "g=30;preset=ultrafast;x265-params=lossless=1:bframes=3:log-level=none"},
+    {"b.mkv", "libx265", "g=30;preset=ultrafast;x265-params=lossless=1:bframes=3:log-level=none"},
+    {"c.hevc", "libx265", "g=30;preset=ultrafast;x265-params=lossless=1:bframes=3:log-level=none"}};
+const std::vector<Stream> kMpeg{{"a.ts", "mpeg2video", "g=30;bf=2;qmin=1;qmax=1"},
+                                {"b.mpg", "mpeg2video", "g=30;bf=2;qmin=1;qmax=1"},
+                                {"d.avi", "mpeg4", "g=30;bf=2;qmin=1;qmax=1"},
+                                {"c.m2v", "mpeg2video", "g=30;bf=2;qmin=1;qmax=1"}};
+
+class SeekInStream : public testing::TestWithParam<std::vector<Stream>> {};
+
+// A run from a start time reads the images and stamps that a whole run reads from there on.
+TEST_P(SeekInStream, ReadsTheSameImagesAsAWholeRun) {
+  constexpr int kRate_hz = 30, kFrames = 105;
+  const TemporaryFolder folder;
+  for (const Stream& stream : GetParam()) {
+    SCOPED_TRACE(stream.file + " " + stream.codec);
+    const fs::path file = write_coded_video(folder.path() / stream.file,
+                                            {.codec = stream.codec,
+                                             .options = stream.options,
+                                             .rate_hz = kRate_hz,
+                                             .frames = kFrames,
+                                             .paint = uniform([](int i) { return 20 + 2 * i; })});
+    const std::vector<Frame> whole = frames_of({.path = file});
+    ASSERT_EQ(whole.size(), kFrames);
+    for (int i = 0; i < kFrames; ++i) {
+      EXPECT_NEAR(whole[i].grey.at<unsigned char>(24, 32), 20 + 2 * i, 1) << i;
+      EXPECT_NEAR(to_seconds(whole[i].stamp), static_cast<double>(i) / kRate_hz, 6e-4) << i;
+    }
+    for (const double start_s : {0.1, 0.99, 1.5, 1.99, 3.3}) {
+      std::string problem;
+      const std::vector<Frame> frames = frames_of({.path = file, .start_s = start_s}, &problem);
+      const auto first = static_cast<std::size_t>(std::ceil(start_s * kRate_hz));
+      ASSERT_EQ(frames.size(), kFrames - first) << start_s;
+      for (std::size_t i = 0; i < frames.size(); ++i) {
+        EXPECT_EQ(frames[i].stamp, whole[first + i].stamp) << start_s;
+        EXPECT_EQ(max_difference(frames[i].grey, whole[first + i].grey), 0) << start_s << " " << i;
+      }
+      EXPECT_EQ(problem.find("truncated"), std::string::npos) << problem;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(H264, SeekInStream, testing::Values(kX264));
+INSTANTIATE_TEST_SUITE_P(Hevc, SeekInStream, testing::Values(kX265));
+INSTANTIATE_TEST_SUITE_P(Mpeg, SeekInStream, testing::Values(kMpeg));
+
+}  // namespace
+}  // namespace stillkite
