@@ -46,6 +46,13 @@ VideoReader::VideoReader(const SourceConfig& config) {
   if (av_log_get_level() == AV_LOG_INFO) av_log_set_level(AV_LOG_QUIET);
   state_ = std::make_unique<State>(config);
   State& s = *state_;
+  if (!s.rate_hz && has_no_time_stamps(s.decoder.track())) {
+    if (s.decoder.peek()) s.rate_hz = coded_rate_hz(s.decoder.track());
+    if (!s.rate_hz) {
+      throw InputError(s.name +
+                       ": the file has no time stamps and no frame rate; set it as source.rate_hz");
+    }
+  }
   // stamps by rate_hz count all images
   if (config.start_s > 0 && !s.rate_hz) s.decoder.seek(s.start);
 }
@@ -84,7 +91,11 @@ ReadResult VideoReader::read(cv::Mat recycled) {
   State& s = *state_;
   while (true) {
     const ReadResult::Status status = s.decoder.next();
-    if (status != ReadResult::Status::frame) return {.status = status};
+    if (status != ReadResult::Status::frame) {
+      // an undecodable image takes its interval
+      if (status == ReadResult::Status::undecodable && s.images > 0) ++s.images;
+      return {.status = status};
+    }
     const Timestamp stamp = s.stamp_of_image();
     ++s.images;
     s.last = stamp;
@@ -112,9 +123,19 @@ bool VideoReader::is_rotated() const {
   return state_->rotation.has_value();
 }
 
+std::optional<double> VideoReader::assumed_rate_hz() const {
+  return state_->rate_hz;
+}
+
 std::vector<std::string> VideoReader::notes() const {
   const State& s = *state_;
   std::vector<std::string> notes;
+  if (s.rate_hz && !s.config.rate_hz) {
+    notes.push_back(fmt::format(
+        "{}: no time stamps; the frame rate of {:.6g} Hz is that of the stream's headers, "
+        "source.rate_hz replaces it",
+        s.name, *s.rate_hz));
+  }
   constexpr double kRounding = 0.01;
   const VideoTrack& track = s.decoder.track();
   const AVRational aspect =

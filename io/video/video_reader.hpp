@@ -18,8 +18,9 @@ namespace stillkite {
 class VideoReader {
  public:
   /// Stamps are those of the file, relative to its first image, or image number / rate_hz. Images
-  /// before `start_s` are skipped. Throws InputError if there is no decodable video, or if the
-  /// display matrix mirrors or does not rotate by a multiple of 90 deg.
+  /// before `start_s` are skipped. Throws InputError if there is no decodable video, if a bare
+  /// stream has no frame rate, or if the display matrix mirrors or does not rotate by a multiple of
+  /// 90 deg.
   explicit VideoReader(const SourceConfig& config);
   ~VideoReader();
   VideoReader(VideoReader&&) noexcept;
@@ -32,7 +33,12 @@ class VideoReader {
   /// True if the display matrix rotates the images, so that image rows are not sensor rows.
   [[nodiscard]] bool is_rotated() const;
 
-  /// Messages on pixels that are not square; empty without any.
+  /// Frame rate by which the images are stamped: source.rate_hz, or that of a bare stream's
+  /// headers. Nullopt if the file stamps them.
+  [[nodiscard]] std::optional<double> assumed_rate_hz() const;
+
+  /// Messages on an assumed frame rate and on pixels that are not
+  /// square; empty without any.
   [[nodiscard]] std::vector<std::string> notes() const;
 
   /// Duration in the file's header; nullopt if unknown.

@@ -1,5 +1,9 @@
 #include "io/video/video_track.hpp"
 
+extern "C" {
+#include <libavutil/opt.h>
+}
+
 #include <fmt/format.h>
 
 #include <array>
@@ -74,6 +78,30 @@ std::optional<cv::RotateFlags> stored_rotation(const VideoTrack& track, const st
   if (mark == nullptr || bytes < sizeof(matrix)) return std::nullopt;
   std::memcpy(matrix.data(), mark, sizeof(matrix));
   return display_rotation(matrix, file);
+}
+
+bool has_no_time_stamps(const VideoTrack& track) {
+  // demuxers of bare streams and of single images have the option -framerate, 25 by default
+  const AVClass* options = track.container->iformat->priv_class;
+  return options != nullptr &&
+         av_opt_find(&options, "framerate", nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ) != nullptr;
+}
+
+std::optional<double> coded_rate_hz(const VideoTrack& track) {
+  switch (track.decoder->codec_id) {  // framerate of other codecs is a tick rate, or assumed
+    case AV_CODEC_ID_H264:
+    case AV_CODEC_ID_HEVC:
+    case AV_CODEC_ID_MPEG1VIDEO:
+    case AV_CODEC_ID_MPEG2VIDEO:
+      break;
+    default:
+      return std::nullopt;
+  }
+  constexpr double kMin_hz = 1, kMax_hz = 1000;  // else ticks of a variable rate
+  const AVRational rate = track.decoder->framerate;
+  if (rate.num <= 0 || rate.den <= 0) return std::nullopt;
+  const double rate_hz = av_q2d(rate);
+  return rate_hz >= kMin_hz && rate_hz <= kMax_hz ? std::optional(rate_hz) : std::nullopt;
 }
 
 }  // namespace stillkite

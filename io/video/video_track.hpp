@@ -36,4 +36,11 @@ struct VideoTrack {
 [[nodiscard]] std::optional<cv::RotateFlags> stored_rotation(const VideoTrack& track,
                                                              const std::string& file);
 
+/// True if the file format stores no time stamps, so that libavformat invents a frame rate.
+[[nodiscard]] bool has_no_time_stamps(const VideoTrack& track);
+
+/// Frame rate in the headers of the coded video, known once an image is decoded; nullopt if there
+/// is none.
+[[nodiscard]] std::optional<double> coded_rate_hz(const VideoTrack& track);
+
 }  // namespace stillkite

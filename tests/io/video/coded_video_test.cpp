@@ -111,5 +111,68 @@ INSTANTIATE_TEST_SUITE_P(H264, SeekInStream, testing::Values(kX264));
 INSTANTIATE_TEST_SUITE_P(Hevc, SeekInStream, testing::Values(kX265));
 INSTANTIATE_TEST_SUITE_P(Mpeg, SeekInStream, testing::Values(kMpeg));
 
+TEST(BareStream, IsStampedByTheRateInItsHeaders) {
+  const TemporaryFolder folder;
+  for (const Stream& stream : {kX264.back(), kX265.back(), kMpeg.back()}) {
+    const fs::path file = write_coded_video(folder.path() / stream.file,
+                                            {.codec = stream.codec,
+                                             .options = stream.options,
+                                             .rate_hz = 60,
+                                             .frames = 20,
+                                             .paint = uniform([](int i) { return 20 + i; })});
+    std::string problem;
+    const std::vector<Frame> frames = frames_of({.path = file}, &problem);
+    ASSERT_EQ(frames.size(), 20) << stream.file;
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(frames[i].stamp, from_seconds(i / 60.0));
+    EXPECT_NE(problem.find("the frame rate of 60 Hz is that of the stream's headers"),
+              std::string::npos)
+        << problem;
+    const std::vector<Frame> faster = frames_of({.path = file, .rate_hz = 120}, &problem);
+    EXPECT_EQ(faster.back().stamp, from_seconds(19 / 120.0));
+    EXPECT_EQ(problem, "");
+  }
+}
+
+TEST(BareStream, WithoutARateNeedsSourceRate) {
+  const TemporaryFolder folder;
+  const std::vector<Stream> streams{
+      {"a.hevc", "libx265", "x265-params=vui-timing-info=0:log-level=none"},
+      {"b.mjpeg", "mjpeg", ""}};
+  for (const Stream& stream : streams) {
+    const fs::path file = write_coded_video(
+        folder.path() / stream.file,
+        {.codec = stream.codec,
+         .options = stream.options,
+         .format = stream.codec == "mjpeg" ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P,
+         .rate_hz = 60,
+         .frames = 10,
+         .paint = uniform([](int i) { return 20 + i; })});
+    EXPECT_EQ(
+        input_error_of(folder, [&] { FrameSource({.path = file}); }),
+        stream.file + ": the file has no time stamps and no frame rate; set it as source.rate_hz");
+    const std::vector<Frame> frames = frames_of({.path = file, .rate_hz = 60});
+    ASSERT_EQ(frames.size(), 10) << stream.file;
+    EXPECT_EQ(frames.back().stamp, from_seconds(9 / 60.0));
+  }
+}
+
+TEST(BareStream, CountsUndecodableImages) {
+  const TemporaryFolder folder;
+  const fs::path whole = write_coded_video(
+      folder.path() / "a.mjpeg",
+      {.codec = "mjpeg", .format = AV_PIX_FMT_YUVJ420P, .frames = 10, .paint = uniform([](int i) {
+                                                                        return 20 + i;
+                                                                      })});
+  std::string bytes = read_text_file(whole);
+  std::size_t at = 0;
+  for (int i = 0; i < 5; ++i) at = bytes.find("\xFF\xC0", at + 1);  // size of image 4
+  bytes.replace(at + 5, 4, 4, '\0');
+  const std::vector<Frame> frames =
+      frames_of({.path = folder.file("b.mjpeg", bytes), .rate_hz = 10});
+  ASSERT_EQ(frames.size(), 9);
+  EXPECT_EQ(frames[3].stamp, from_seconds(0.3));
+  EXPECT_EQ(frames[4].stamp, from_seconds(0.5));
+}
+
 }  // namespace
 }  // namespace stillkite
