@@ -61,6 +61,7 @@ Reader open_reader(const SourceConfig& config) {
       throw InputError("source.bits: only for 16-bit image files; remove it for a video");
     return VideoReader(config);
   }
+  if (config.track) throw InputError("source.track: only for videos; remove it for a folder");
   if (const auto dataset = find_euroc_dataset(path)) {
     return ImageSequence(images_between(read_image_list(dataset->images_csv), config), config.bits);
   }

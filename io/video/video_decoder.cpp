@@ -15,7 +15,8 @@ std::int64_t first_stamp(const AVStream& stream) {
 
 }  // namespace
 
-VideoDecoder::VideoDecoder(const std::string& file) : file_(file), track_(open_video_track(file)) {}
+VideoDecoder::VideoDecoder(const std::string& file, std::optional<int> track)
+    : file_(file), number_(track), track_(open_video_track(file, track)) {}
 
 ReadResult::Status VideoDecoder::next() {
   using Status = ReadResult::Status;
@@ -52,7 +53,7 @@ void VideoDecoder::seek(Timestamp start) {
       break;
     if (peek() && key_ && *key_ <= start && stamp() && *stamp() <= start) return;
   }
-  track_ = open_video_track(file_);
+  track_ = open_video_track(file_, number_);
   reset();
 }
 

@@ -14,7 +14,7 @@ namespace stillkite {
 class VideoDecoder {
  public:
   /// Opens the file at its beginning; errors as open_video_track.
-  explicit VideoDecoder(const std::string& file);
+  VideoDecoder(const std::string& file, std::optional<int> track);
 
   /// Decodes the next image.
   [[nodiscard]] ReadResult::Status next();
@@ -39,6 +39,7 @@ class VideoDecoder {
   [[nodiscard]] std::optional<Timestamp> stamp_of(std::int64_t coded) const;
 
   std::string file_;
+  std::optional<int> number_;
   VideoTrack track_;
   LibavInput<AVPacket> packet_{av_packet_alloc()};
   LibavInput<AVFrame> image_{av_frame_alloc()};

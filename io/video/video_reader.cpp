@@ -21,7 +21,7 @@ struct VideoReader::State {
         name(source.path.string()),
         start(from_seconds(source.start_s)),
         rate_hz(source.rate_hz),
-        decoder(name),
+        decoder(name, source.track),
         rotation(stored_rotation(decoder.track(), name)) {}
 
   SourceConfig config;
@@ -130,6 +130,8 @@ std::optional<double> VideoReader::assumed_rate_hz() const {
 std::vector<std::string> VideoReader::notes() const {
   const State& s = *state_;
   std::vector<std::string> notes;
+  const std::optional<std::string> choice = track_choice(s.decoder.track());
+  if (choice && !s.config.track) notes.push_back(s.name + ": " + *choice);
   if (s.rate_hz && !s.config.rate_hz) {
     notes.push_back(fmt::format(
         "{}: no time stamps; the frame rate of {:.6g} Hz is that of the stream's headers, "

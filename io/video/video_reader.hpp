@@ -37,7 +37,7 @@ class VideoReader {
   /// headers. Nullopt if the file stamps them.
   [[nodiscard]] std::optional<double> assumed_rate_hz() const;
 
-  /// Messages on an assumed frame rate and on pixels that are not
+  /// Messages on the choice of the track, on an assumed frame rate and on pixels that are not
   /// square; empty without any.
   [[nodiscard]] std::vector<std::string> notes() const;
 

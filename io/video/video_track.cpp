@@ -6,8 +6,10 @@ extern "C" {
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <vector>
 
 #include "geometry/fields.hpp"
 #include "io/video/display_rotation.hpp"
@@ -50,7 +52,37 @@ LibavInput<AVCodecContext> open_decoder(const AVStream& stream, const std::strin
   return decoder;
 }
 
-int select_stream(AVFormatContext& container, const std::string& file) {
+// Indices of the video streams without cover art and thumbnails.
+std::vector<int> video_streams(const AVFormatContext& container) {
+  constexpr int kStill = AV_DISPOSITION_ATTACHED_PIC | AV_DISPOSITION_TIMED_THUMBNAILS;
+  std::vector<int> indices;
+  for (unsigned i = 0; i < container.nb_streams; ++i) {
+    const AVStream& stream = *container.streams[i];
+    if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && (stream.disposition & kStill) == 0) {
+      indices.push_back(static_cast<int>(i));
+    }
+  }
+  return indices;
+}
+
+std::string list_tracks(const AVFormatContext& container, const std::vector<int>& streams) {
+  std::string out;
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    const AVCodecParameters& coded = *container.streams[streams[i]]->codecpar;
+    out += fmt::format("{}{} ({} {}x{})", i == 0 ? "" : ", ", i, avcodec_get_name(coded.codec_id),
+                       coded.width, coded.height);
+  }
+  return out;
+}
+
+int select_stream(AVFormatContext& container, const std::string& file, std::optional<int> track) {
+  const std::vector<int> streams = video_streams(container);
+  if (track) {
+    const auto at = static_cast<std::size_t>(*track);
+    if (at < streams.size()) return streams[at];
+    throw InputError(fmt::format("{}: source.track: {} is out of range, video tracks: {}", file,
+                                 *track, list_tracks(container, streams)));
+  }
   const AVCodec* codec = nullptr;  // demands a track with a decoder
   const int best = av_find_best_stream(&container, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
   if (best < 0) throw InputError(file + ": no video stream that can be decoded");
@@ -59,15 +91,23 @@ int select_stream(AVFormatContext& container, const std::string& file) {
 
 }  // namespace
 
-VideoTrack open_video_track(const std::string& file) {
+VideoTrack open_video_track(const std::string& file, std::optional<int> track) {
   VideoTrack opened{.container = open_container(file)};
-  const int index = select_stream(*opened.container, file);
+  const int index = select_stream(*opened.container, file, track);
   opened.stream = opened.container->streams[index];
   opened.decoder = open_decoder(*opened.stream, file);
   for (unsigned i = 0; i < opened.container->nb_streams; ++i) {
     if (static_cast<int>(i) != index) opened.container->streams[i]->discard = AVDISCARD_ALL;
   }
   return opened;
+}
+
+std::optional<std::string> track_choice(const VideoTrack& track) {
+  const std::vector<int> streams = video_streams(*track.container);
+  if (streams.size() < 2) return std::nullopt;
+  const auto at = std::find(streams.begin(), streams.end(), track.stream->index);
+  return fmt::format("video track {} is read; source.track selects another: {}",
+                     at - streams.begin(), list_tracks(*track.container, streams));
 }
 
 std::optional<cv::RotateFlags> stored_rotation(const VideoTrack& track, const std::string& file) {

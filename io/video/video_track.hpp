@@ -28,9 +28,13 @@ struct VideoTrack {
   LibavInput<AVCodecContext> decoder;
 };
 
-/// Opens the video track that libavformat ranks first. Throws InputError if the file cannot be
-/// read, or if there is no decoder for it.
-[[nodiscard]] VideoTrack open_video_track(const std::string& file);
+/// Opens a video track: number `track`, counted from 0 over the video tracks without still images,
+/// or the one that libavformat ranks first. Throws InputError if the file cannot be read, if the
+/// track is missing, or if there is no decoder for it.
+[[nodiscard]] VideoTrack open_video_track(const std::string& file, std::optional<int> track);
+
+/// Message on which of several video tracks is open; nullopt if there is only one.
+[[nodiscard]] std::optional<std::string> track_choice(const VideoTrack& track);
 
 /// Rotation by the track's display matrix; errors as display_rotation.
 [[nodiscard]] std::optional<cv::RotateFlags> stored_rotation(const VideoTrack& track,

@@ -174,5 +174,36 @@ TEST(BareStream, CountsUndecodableImages) {
   EXPECT_EQ(frames[4].stamp, from_seconds(0.5));
 }
 
+TEST(VideoTracks, AreSelectedByNumber) {
+  const TemporaryFolder folder;
+  const auto track = [&](const std::string& name, int width_px, int grey) {
+    return write_coded_video(folder.path() / name, {.codec = "ffv1",
+                                                    .frames = 3,
+                                                    .width_px = width_px,
+                                                    .paint = uniform([=](int) { return grey; })});
+  };
+  const fs::path file =
+      join_tracks(folder.path() / "ab.mkv", {track("a.mkv", 64, 50), track("b.mkv", 32, 90)});
+  for (const auto& [number, width_px, grey] : {std::array{0, 64, 50}, std::array{1, 32, 90}}) {
+    std::string problem;
+    const std::vector<Frame> frames = frames_of({.path = file, .track = number}, &problem);
+    ASSERT_EQ(frames.size(), 3);
+    EXPECT_EQ(frames[0].grey.cols, width_px);
+    EXPECT_EQ(frames[0].grey.at<unsigned char>(9, 9), grey);
+    EXPECT_EQ(problem, "");
+  }
+  std::string problem;
+  EXPECT_EQ(frames_of({.path = file}, &problem).size(), 3);
+  EXPECT_NE(problem.find("source.track selects another: 0 (ffv1 64x48), 1 (ffv1 32x48)"),
+            std::string::npos)
+      << problem;
+  EXPECT_EQ(
+      input_error_of(folder, [&] { FrameSource({.path = file, .track = 2}); }),
+      "ab.mkv: source.track: 2 is out of range, video tracks: 0 (ffv1 64x48), 1 (ffv1 32x48)");
+  EXPECT_EQ(input_error_of(folder,
+                           [&] { FrameSource({.path = folder.path(), .rate_hz = 1, .track = 0}); }),
+            "source.track: only for videos; remove it for a folder");
+}
+
 }  // namespace
 }  // namespace stillkite
