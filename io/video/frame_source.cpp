@@ -57,8 +57,6 @@ Reader open_reader(const SourceConfig& config) {
     if (fs::is_regular_file(path) && fs::file_size(path) == 0) {
       throw InputError(path.string() + ": the file is empty");
     }
-    if (config.bits)
-      throw InputError("source.bits: only for 16-bit image files; remove it for a video");
     return VideoReader(config);
   }
   if (config.track) throw InputError("source.track: only for videos; remove it for a folder");

@@ -2,9 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -24,25 +21,6 @@ bool load(const std::filesystem::path& file, std::vector<unsigned char>& bytes) 
 }
 
 }  // namespace
-
-// Conversion by the 8 most significant of the used bits.
-cv::Mat ImageSequence::to_8_bits(const StampedImage& image, cv::Mat recycled) {
-  constexpr int kMinDefaultBits = 15;
-  if (!bits_) {
-    double max_value = 0;
-    cv::minMaxLoc(deep_, nullptr, &max_value);
-    const int used_bits = std::bit_width(static_cast<unsigned>(max_value));
-    if (used_bits < kMinDefaultBits) {
-      throw InputError(fmt::format(
-          "{}: 16-bit image with a maximum value of {}; set source.bits to the significant bits of "
-          "the camera ({}, or 16 for a dark scene)",
-          image.file.string(), max_value, std::max(used_bits, 8)));
-    }
-    bits_ = 16;
-  }
-  deep_.convertTo(recycled, CV_8U, std::ldexp(1.0, 8 - *bits_));
-  return recycled;
-}
 
 ReadResult ImageSequence::read(cv::Mat recycled) {
   if (at_ == images_.size()) return {};
@@ -69,11 +47,9 @@ ReadResult ImageSequence::read(cv::Mat recycled) {
   if (grey.depth() == CV_16U) {
     const bool is_first = deep_.empty();
     deep_ = grey;
-    grey = to_8_bits(image, is_first ? cv::Mat() : recycled);
-  } else if (bits_ && deep_.empty()) {
-    throw InputError(
-        fmt::format("{}: 8-bit image; source.bits is only for 16-bit images", image.file.string()));
+    grey = depth_.to_8_bits(deep_, {}, image.file.string(), is_first ? cv::Mat() : recycled);
   } else {
+    depth_.check_8_bits(image.file.string());
     deep_.release();  // may share the returned buffer
   }
   return {.status = ReadResult::Status::frame, .frame = {.stamp = image.stamp, .grey = grey}};

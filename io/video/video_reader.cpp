@@ -22,7 +22,8 @@ struct VideoReader::State {
         start(from_seconds(source.start_s)),
         rate_hz(source.rate_hz),
         decoder(name, source.track),
-        rotation(stored_rotation(decoder.track(), name)) {}
+        rotation(stored_rotation(decoder.track(), name)),
+        luma(name, source.bits) {}
 
   SourceConfig config;
   std::string name;

@@ -11,8 +11,7 @@
 namespace stillkite {
 
 /// Decodes a video file with libavformat and libavcodec; OpenCV's reader returns BGR only.
-/// - The luma plane is used unchanged: video range (16 to 235) is not stretched. Formats without an
-///   8-bit luma plane are converted to grey.
+/// - Grey values: LumaExtractor.
 /// - Images are rotated by the display matrix, but non-square pixels are not rescaled. OpenCV's
 ///   reader does the same, and calibrations are made from its images.
 class VideoReader {
@@ -27,7 +26,7 @@ class VideoReader {
   VideoReader& operator=(VideoReader&&) noexcept;
 
   /// Next image, stored in `recycled` if the size matches. Throws InputError if the image size
-  /// changes.
+  /// changes, or as LumaExtractor.
   [[nodiscard]] ReadResult read(cv::Mat recycled);
 
   /// True if the display matrix rotates the images, so that image rows are not sensor rows.

@@ -174,6 +174,94 @@ TEST(BareStream, CountsUndecodableImages) {
   EXPECT_EQ(frames[4].stamp, from_seconds(0.5));
 }
 
+// Luma of each format is reduced to 8 bits without a change of its range.
+TEST(GreyLevels, OfDeepAndPackedVideosKeepTheirRange) {
+  struct Format {
+    AVPixelFormat format;
+    std::string codec;
+    int value;
+    int grey;
+  };
+  const TemporaryFolder folder;
+  const std::vector<Format> formats{
+      {AV_PIX_FMT_YUV420P10, "ffv1", 401, 100},   {AV_PIX_FMT_YUV420P10, "ffv1", 1023, 255},
+      {AV_PIX_FMT_YUV420P10, "ffv1", 12, 3},      {AV_PIX_FMT_YUV420P12, "ffv1", 1612, 101},
+      {AV_PIX_FMT_GRAY10, "ffv1", 40, 10},        {AV_PIX_FMT_GRAY12BE, "rawvideo", 1600, 100},
+      {AV_PIX_FMT_YUYV422, "rawvideo", 250, 250}, {AV_PIX_FMT_UYVY422, "rawvideo", 3, 3}};
+  for (const Format& f : formats) {
+    for (const bool full_range : {false, true}) {
+      const fs::path file = write_coded_video(folder.path() / "a.nut",
+                                              {.codec = f.codec,
+                                               .format = f.format,
+                                               .full_range = full_range,
+                                               .paint = uniform([&](int) { return f.value; })});
+      const std::vector<Frame> frames = frames_of({.path = file});
+      ASSERT_EQ(frames.size(), 1);
+      EXPECT_EQ(max_difference(frames[0].grey, cv::Mat(48, 64, CV_8UC1, cv::Scalar(f.grey))), 0)
+          << av_get_pix_fmt_name(f.format) << " " << f.value;
+    }
+  }
+}
+
+TEST(GreyLevels, Of16BitVideosNeedTheirSignificantBits) {
+  const TemporaryFolder folder;
+  const auto video = [&](AVPixelFormat format, int value) {
+    return write_coded_video(
+        folder.path() / "a.mkv",
+        {.codec = "ffv1", .format = format, .paint = uniform([=](int) { return value; })});
+  };
+  const auto error = [&](const SourceConfig& config) {
+    return input_error_of(folder, [&] { FrameSource{config}; });
+  };
+  const fs::path deep = video(AV_PIX_FMT_GRAY16, 400);
+  EXPECT_EQ(frames_of({.path = deep, .bits = 10})[0].grey.at<unsigned char>(9, 9), 100);
+  EXPECT_EQ(frames_of({.path = deep, .bits = 16})[0].grey.at<unsigned char>(9, 9), 2);
+  EXPECT_EQ(error({.path = deep}),
+            "a.mkv: 16-bit image with a maximum value of 400; set source.bits to the significant "
+            "bits of the camera (9, or 16 for a dark scene)");
+  const fs::path bright = video(AV_PIX_FMT_GRAY16, 25600);
+  EXPECT_EQ(frames_of({.path = bright})[0].grey.at<unsigned char>(9, 9), 100);
+  const fs::path twelve = video(AV_PIX_FMT_GRAY12, 400);
+  EXPECT_EQ(frames_of({.path = twelve, .bits = 10})[0].grey.at<unsigned char>(9, 9), 100);
+  EXPECT_EQ(error({.path = twelve, .bits = 14}),
+            "a.mkv: 12-bit image; source.bits of 14 is out of range, allowed: 8 to 12");
+}
+
+// Equal red, green and blue are the grey level.
+TEST(GreyLevels, OfRgbVideosAreTheirMean) {
+  const TemporaryFolder folder;
+  struct Format {
+    AVPixelFormat format;
+    std::string codec;
+    int maximum;
+  };
+  for (const Format& f : {Format{AV_PIX_FMT_RGB24, "rawvideo", 255},
+                          {AV_PIX_FMT_GBRP, "ffv1", 255},
+                          {AV_PIX_FMT_GBRP10, "ffv1", 1023},
+                          {AV_PIX_FMT_RGB48BE, "png", 65535}}) {
+    for (const int grey : {51, 153, 255}) {
+      const auto paint = [&](AVFrame& frame, int) {
+        const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(f.format);
+        for (int plane = 0; plane < 4 && frame.buf[plane] != nullptr; ++plane) {
+          std::memset(frame.buf[plane]->data, 0, frame.buf[plane]->size);
+        }
+        std::vector<std::uint16_t> line(64, static_cast<std::uint16_t>(grey * f.maximum / 255));
+        for (int y = 0; y < frame.height; ++y) {
+          for (int c = 0; c < 3; ++c) {
+            av_write_image_line2(line.data(), frame.data, frame.linesize, format, 0, y, c, 64,
+                                 sizeof(std::uint16_t));
+          }
+        }
+      };
+      const fs::path file = write_coded_video(
+          folder.path() / "a.nut",
+          {.codec = f.codec, .format = f.format, .full_range = true, .paint = paint});
+      EXPECT_NEAR(frames_of({.path = file, .bits = {}})[0].grey.at<unsigned char>(9, 9), grey, 1)
+          << av_get_pix_fmt_name(f.format);
+    }
+  }
+}
+
 TEST(VideoTracks, AreSelectedByNumber) {
   const TemporaryFolder folder;
   const auto track = [&](const std::string& name, int width_px, int grey) {
