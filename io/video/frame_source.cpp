@@ -112,6 +112,7 @@ struct FrameSource::State {
   std::int64_t read = 0;
   std::int64_t undecodable = 0;
   std::int64_t out_of_order = 0;  // time stamps that do not increase
+  bool interlaced = false;
   bool at_end = false;
   std::thread thread;  // last: uses all other members
 };
@@ -151,6 +152,7 @@ std::optional<Frame> FrameSource::State::take() {
       ++out_of_order;
       continue;
     }
+    interlaced = interlaced || result->interlaced;
     result->frame.index = index;
     last_stamp = result->frame.stamp;
     return std::move(result->frame);
@@ -216,6 +218,12 @@ std::optional<std::string> FrameSource::problem() const {
     if (const std::optional<std::string> truncation = video->truncation()) add(*truncation);
   }
   const std::string path = s.config.path.string();
+  if (s.interlaced) {
+    add(
+        fmt::format("{}: interlaced; of each image the first field is used and its lines are "
+                    "interpolated",
+                    path));
+  }
   if (s.undecodable > 0) {
     add(fmt::format(
         "{}: {} of {} images cannot be decoded and are skipped{}", path, s.undecodable, s.read,

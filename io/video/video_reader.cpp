@@ -11,6 +11,7 @@ extern "C" {
 #include <utility>
 
 #include "geometry/fields.hpp"
+#include "io/video/interlacing.hpp"
 #include "io/video/luma.hpp"
 #include "io/video/video_decoder.hpp"
 
@@ -39,7 +40,7 @@ struct VideoReader::State {
 
   [[nodiscard]] Timestamp stamp_of_image() const;
   [[nodiscard]] cv::Size size_of_image();
-  cv::Mat grey_of_image(cv::Mat recycled);
+  cv::Mat grey_of_image(std::optional<Field> field, cv::Mat recycled);
 };
 
 VideoReader::VideoReader(const SourceConfig& config) {
@@ -79,9 +80,10 @@ cv::Size VideoReader::State::size_of_image() {
   return keeps_width ? coded_size : cv::Size(coded_size.height, coded_size.width);
 }
 
-cv::Mat VideoReader::State::grey_of_image(cv::Mat recycled) {
+cv::Mat VideoReader::State::grey_of_image(std::optional<Field> field, cv::Mat recycled) {
   cv::Mat grey = luma.extract(decoder.image(), rotation ? coded_grey : std::move(recycled));
   if (grey.empty()) return {};
+  if (field) interpolate_other_field(grey, *field);
   if (!rotation) return grey;
   coded_grey = grey;
   cv::rotate(coded_grey, recycled, *rotation);
@@ -113,10 +115,13 @@ ReadResult VideoReader::read(cv::Mat recycled) {
           s.name, size.width, size.height, to_seconds(stamp), s.size.width, s.size.height));
     }
     s.size = size;
-    cv::Mat grey = s.grey_of_image(std::move(recycled));
+    const std::optional<Field> field =
+        first_field(image, s.decoder.track().stream->codecpar->field_order);
+    cv::Mat grey = s.grey_of_image(field, std::move(recycled));
     if (grey.empty()) return {.status = ReadResult::Status::undecodable};
     return {.status = ReadResult::Status::frame,
-            .frame = {.stamp = stamp, .grey = std::move(grey)}};
+            .frame = {.stamp = stamp, .grey = std::move(grey)},
+            .interlaced = field.has_value()};
   }
 }
 

@@ -14,6 +14,7 @@ namespace stillkite {
 /// - Grey values: LumaExtractor.
 /// - Images are rotated by the display matrix, but non-square pixels are not rescaled. OpenCV's
 ///   reader does the same, and calibrations are made from its images.
+/// - Of interlaced images the first field is used, and its lines are interpolated.
 class VideoReader {
  public:
   /// Stamps are those of the file, relative to its first image, or image number / rate_hz. Images

@@ -262,6 +262,41 @@ TEST(GreyLevels, OfRgbVideosAreTheirMean) {
   }
 }
 
+// A ramp over the lines of the first field; those of the second are 100 brighter.
+TEST(Interlacing, KeepsTheFirstFieldAndInterpolatesItsLines) {
+  const TemporaryFolder folder;
+  for (const std::string codec : {"libx264", "mpeg2video"}) {
+    for (const bool top_first : {true, false}) {
+      SCOPED_TRACE(codec + (top_first ? " top" : " bottom"));
+      const auto is_first = [&](int y) { return (y % 2 == 0) == top_first; };
+      const CodedVideo video{
+          .codec = codec,
+          .options = codec == "libx264" ? "qp=0;flags=+ildct" : "qmin=1;qmax=1;flags=+ildct+ilme",
+          .rate_hz = 25,
+          .frames = 5,
+          .interlaced = true,
+          .top_field_first = top_first,
+          .paint = [&](AVFrame& frame, int i) {
+            paint_lines(frame, [&](int y) { return 40 + i + 2 * y + (is_first(y) ? 0 : 100); });
+          }};
+      std::string problem;
+      const std::vector<Frame> frames =
+          frames_of({.path = write_coded_video(folder.path() / "a.mkv", video)}, &problem);
+      ASSERT_EQ(frames.size(), 5);
+      const int tolerance = codec == "libx264" ? 0 : 2;
+      for (int i = 0; i < 5; ++i) {
+        EXPECT_EQ(frames[i].stamp, from_seconds(0.04 * i));
+        for (int y = 1; y < 47; ++y) {
+          EXPECT_NEAR(frames[i].grey.at<unsigned char>(y, 20), 40 + i + 2 * y, tolerance) << y;
+        }
+      }
+      EXPECT_EQ(problem.substr(problem.rfind('/') + 1),
+                "a.mkv: interlaced; of each image the first field is used and its lines are "
+                "interpolated");
+    }
+  }
+}
+
 TEST(VideoTracks, AreSelectedByNumber) {
   const TemporaryFolder folder;
   const auto track = [&](const std::string& name, int width_px, int grey) {
