@@ -201,8 +201,7 @@ std::optional<std::int64_t> FrameSource::expected() const {
 }
 
 bool FrameSource::is_rotated() const {
-  const auto* video = std::get_if<VideoReader>(&state_->reader);
-  return video != nullptr && video->is_rotated();
+  return std::visit([](const auto& reader) { return reader.is_rotated(); }, state_->reader);
 }
 
 std::optional<std::string> FrameSource::problem() const {

@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "geometry/fields.hpp"
+#include "io/video/exif_orientation.hpp"
 
 namespace stillkite {
 namespace {
@@ -22,35 +23,55 @@ bool load(const std::filesystem::path& file, std::vector<unsigned char>& bytes) 
 
 }  // namespace
 
+void ImageSequence::check_format(const StampedImage& image, cv::Size size, int orientation) {
+  if (size_.area() > 0 && size != size_) {
+    throw InputError(fmt::format(
+        "{}: image size {}x{} differs from {}x{} before; one calibration needs one size",
+        image.file.string(), size.width, size.height, size_.width, size_.height));
+  }
+  if (orientation_ && orientation != *orientation_) {
+    throw InputError(fmt::format(
+        "{}: EXIF orientation {} differs from {} before; remove the tag from the files, "
+        "so that all images are used as stored",
+        image.file.string(), orientation, *orientation_));
+  }
+  reject_mirrored(orientation, image.file.string());
+  size_ = size;
+  if (!orientation_) orientation_ = orientation;
+}
+
 ReadResult ImageSequence::read(cv::Mat recycled) {
   if (at_ == images_.size()) return {};
   const StampedImage& image = images_[at_++];
+  const bool is_loaded = load(image.file, bytes_);
+  const int orientation = is_loaded ? exif_orientation(bytes_) : 1;
+  const bool rotates = orientation != 1 && !is_tiff(bytes_);  // OpenCV's TIFF decoder rotates
   cv::Mat grey;
   try {
-    if (load(image.file, bytes_)) {
-      constexpr int kGrey =
-          cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
-      grey = cv::imdecode(bytes_, kGrey, deep_.empty() ? &recycled : &deep_);
-    }
+    constexpr int kGrey =
+        cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
+    cv::Mat& target = !deep_.empty() ? deep_ : rotates ? stored_ : recycled;
+    if (is_loaded) grey = cv::imdecode(bytes_, kGrey, &target);
   } catch (const cv::Exception&) {
     // invalid image size in the header
     grey.release();
   }
   if (grey.depth() != CV_8U && grey.depth() != CV_16U) grey.release();
   if (grey.empty()) return {.status = ReadResult::Status::undecodable};
-  if (size_.area() > 0 && grey.size() != size_) {
-    throw InputError(fmt::format(
-        "{}: image size {}x{} differs from {}x{} before; one calibration needs one size",
-        image.file.string(), grey.cols, grey.rows, size_.width, size_.height));
-  }
-  size_ = grey.size();
+  check_format(image, grey.size(), orientation);
   if (grey.depth() == CV_16U) {
     const bool is_first = deep_.empty();
     deep_ = grey;
-    grey = depth_.to_8_bits(deep_, {}, image.file.string(), is_first ? cv::Mat() : recycled);
+    cv::Mat target = rotates ? stored_ : recycled;
+    grey = depth_.to_8_bits(deep_, {}, image.file.string(), is_first ? cv::Mat() : target);
   } else {
     depth_.check_8_bits(image.file.string());
     deep_.release();  // may share the returned buffer
+  }
+  if (rotates) {
+    stored_ = grey;
+    cv::rotate(stored_, recycled, exif_rotation(orientation));
+    grey = recycled;
   }
   return {.status = ReadResult::Status::frame, .frame = {.stamp = image.stamp, .grey = grey}};
 }
