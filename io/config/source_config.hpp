@@ -14,6 +14,7 @@ struct SourceConfig {
   std::optional<double> end_s;
   std::optional<double> rate_hz;
   std::optional<int> bits;
+  std::optional<int> track;
 
   static void fields(auto& self, auto&& field) {
     field("path", self.path, "video, EuRoC data set, or folder of images");
@@ -22,7 +23,10 @@ struct SourceConfig {
     field("rate_hz", self.rate_hz, Range{1e-3, 1e5},
           "frame rate for images without time stamps; replaces those of a video");
     field("bits", self.bits, Range{8, 16},
-          "significant bits per pixel of 16-bit image files, for example 10, 12 or 14");
+          "significant bits per pixel of images and videos of more than 8 bits, for example 10, 12 "
+          "or 14");
+    field("track", self.track, Range{0, 99},
+          "number of the video track, from 0; default: the one that FFmpeg ranks first");
   }
 };
 

@@ -57,10 +57,9 @@ Reader open_reader(const SourceConfig& config) {
     if (fs::is_regular_file(path) && fs::file_size(path) == 0) {
       throw InputError(path.string() + ": the file is empty");
     }
-    if (config.bits)
-      throw InputError("source.bits: only for 16-bit image files; remove it for a video");
-    return VideoReader(path, config.start_s, config.rate_hz);
+    return VideoReader(config);
   }
+  if (config.track) throw InputError("source.track: only for videos; remove it for a folder");
   if (const auto dataset = find_euroc_dataset(path)) {
     return ImageSequence(images_between(read_image_list(dataset->images_csv), config), config.bits);
   }
@@ -113,6 +112,7 @@ struct FrameSource::State {
   std::int64_t read = 0;
   std::int64_t undecodable = 0;
   std::int64_t out_of_order = 0;  // time stamps that do not increase
+  bool interlaced = false;
   bool at_end = false;
   std::thread thread;  // last: uses all other members
 };
@@ -152,6 +152,7 @@ std::optional<Frame> FrameSource::State::take() {
       ++out_of_order;
       continue;
     }
+    interlaced = interlaced || result->interlaced;
     result->frame.index = index;
     last_stamp = result->frame.stamp;
     return std::move(result->frame);
@@ -200,8 +201,7 @@ std::optional<std::int64_t> FrameSource::expected() const {
 }
 
 bool FrameSource::is_rotated() const {
-  const auto* video = std::get_if<VideoReader>(&state_->reader);
-  return video != nullptr && video->is_rotated();
+  return std::visit([](const auto& reader) { return reader.is_rotated(); }, state_->reader);
 }
 
 std::optional<std::string> FrameSource::problem() const {
@@ -211,12 +211,18 @@ std::optional<std::string> FrameSource::problem() const {
     found += (found.empty() ? "" : "; ") + sentence;
   };
   const auto* video = std::get_if<VideoReader>(&s.reader);
-  if (video != nullptr && video->non_square_pixels()) add(*video->non_square_pixels());
+  if (video != nullptr) std::ranges::for_each(video->notes(), add);
   // the decoding thread owns the reader until the end
   if (s.at_end && s.reader_ended && video != nullptr) {
     if (const std::optional<std::string> truncation = video->truncation()) add(*truncation);
   }
   const std::string path = s.config.path.string();
+  if (s.interlaced) {
+    add(
+        fmt::format("{}: interlaced; of each image the first field is used and its lines are "
+                    "interpolated",
+                    path));
+  }
   if (s.undecodable > 0) {
     add(fmt::format(
         "{}: {} of {} images cannot be decoded and are skipped{}", path, s.undecodable, s.read,

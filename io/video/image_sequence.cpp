@@ -2,14 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "geometry/fields.hpp"
+#include "io/video/exif_orientation.hpp"
 
 namespace stillkite {
 namespace {
@@ -25,56 +23,55 @@ bool load(const std::filesystem::path& file, std::vector<unsigned char>& bytes) 
 
 }  // namespace
 
-// Conversion by the 8 most significant of the used bits.
-cv::Mat ImageSequence::to_8_bits(const StampedImage& image, cv::Mat recycled) {
-  constexpr int kMinDefaultBits = 15;
-  if (!bits_) {
-    double max_value = 0;
-    cv::minMaxLoc(deep_, nullptr, &max_value);
-    const int used_bits = std::bit_width(static_cast<unsigned>(max_value));
-    if (used_bits < kMinDefaultBits) {
-      throw InputError(fmt::format(
-          "{}: 16-bit image with a maximum value of {}; set source.bits to the significant bits of "
-          "the camera ({}, or 16 for a dark scene)",
-          image.file.string(), max_value, std::max(used_bits, 8)));
-    }
-    bits_ = 16;
+void ImageSequence::check_format(const StampedImage& image, cv::Size size, int orientation) {
+  if (size_.area() > 0 && size != size_) {
+    throw InputError(fmt::format(
+        "{}: image size {}x{} differs from {}x{} before; one calibration needs one size",
+        image.file.string(), size.width, size.height, size_.width, size_.height));
   }
-  deep_.convertTo(recycled, CV_8U, std::ldexp(1.0, 8 - *bits_));
-  return recycled;
+  if (orientation_ && orientation != *orientation_) {
+    throw InputError(fmt::format(
+        "{}: EXIF orientation {} differs from {} before; remove the tag from the files, "
+        "so that all images are used as stored",
+        image.file.string(), orientation, *orientation_));
+  }
+  reject_mirrored(orientation, image.file.string());
+  size_ = size;
+  if (!orientation_) orientation_ = orientation;
 }
 
 ReadResult ImageSequence::read(cv::Mat recycled) {
   if (at_ == images_.size()) return {};
   const StampedImage& image = images_[at_++];
+  const bool is_loaded = load(image.file, bytes_);
+  const int orientation = is_loaded ? exif_orientation(bytes_) : 1;
+  const bool rotates = orientation != 1 && !is_tiff(bytes_);  // OpenCV's TIFF decoder rotates
   cv::Mat grey;
   try {
-    if (load(image.file, bytes_)) {
-      constexpr int kGrey =
-          cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
-      grey = cv::imdecode(bytes_, kGrey, deep_.empty() ? &recycled : &deep_);
-    }
+    constexpr int kGrey =
+        cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
+    cv::Mat& target = !deep_.empty() ? deep_ : rotates ? stored_ : recycled;
+    if (is_loaded) grey = cv::imdecode(bytes_, kGrey, &target);
   } catch (const cv::Exception&) {
     // invalid image size in the header
     grey.release();
   }
   if (grey.depth() != CV_8U && grey.depth() != CV_16U) grey.release();
   if (grey.empty()) return {.status = ReadResult::Status::undecodable};
-  if (size_.area() > 0 && grey.size() != size_) {
-    throw InputError(fmt::format(
-        "{}: image size {}x{} differs from {}x{} before; one calibration needs one size",
-        image.file.string(), grey.cols, grey.rows, size_.width, size_.height));
-  }
-  size_ = grey.size();
+  check_format(image, grey.size(), orientation);
   if (grey.depth() == CV_16U) {
     const bool is_first = deep_.empty();
     deep_ = grey;
-    grey = to_8_bits(image, is_first ? cv::Mat() : recycled);
-  } else if (bits_ && deep_.empty()) {
-    throw InputError(
-        fmt::format("{}: 8-bit image; source.bits is only for 16-bit images", image.file.string()));
+    cv::Mat target = rotates ? stored_ : recycled;
+    grey = depth_.to_8_bits(deep_, {}, image.file.string(), is_first ? cv::Mat() : target);
   } else {
+    depth_.check_8_bits(image.file.string());
     deep_.release();  // may share the returned buffer
+  }
+  if (rotates) {
+    stored_ = grey;
+    cv::rotate(stored_, recycled, exif_rotation(orientation));
+    grey = recycled;
   }
   return {.status = ReadResult::Status::frame, .frame = {.stamp = image.stamp, .grey = grey}};
 }

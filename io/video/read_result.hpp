@@ -13,6 +13,7 @@ struct ReadResult {
   };
   Status status = Status::end;
   Frame frame{};  ///< without its index
+  bool interlaced = false;
 };
 
 }  // namespace stillkite

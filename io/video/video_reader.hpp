@@ -1,39 +1,45 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "io/config/source_config.hpp"
 #include "io/video/read_result.hpp"
 
 namespace stillkite {
 
 /// Decodes a video file with libavformat and libavcodec; OpenCV's reader returns BGR only.
-/// - The luma plane is used unchanged: video range (16 to 235) is not stretched. Formats without an
-///   8-bit luma plane are converted to grey.
+/// - Grey values: LumaExtractor.
 /// - Images are rotated by the display matrix, but non-square pixels are not rescaled. OpenCV's
 ///   reader does the same, and calibrations are made from its images.
+/// - Of interlaced images the first field is used, and its lines are interpolated.
 class VideoReader {
  public:
   /// Stamps are those of the file, relative to its first image, or image number / rate_hz. Images
-  /// before `start_s` are skipped. Throws InputError if there is no decodable video, or if the
-  /// display matrix mirrors or does not rotate by a multiple of 90 deg.
-  VideoReader(const std::filesystem::path& file, double start_s, std::optional<double> rate_hz);
+  /// before `start_s` are skipped. Throws InputError if there is no decodable video, if a bare
+  /// stream has no frame rate, or if the display matrix mirrors or does not rotate by a multiple of
+  /// 90 deg.
+  explicit VideoReader(const SourceConfig& config);
   ~VideoReader();
   VideoReader(VideoReader&&) noexcept;
   VideoReader& operator=(VideoReader&&) noexcept;
 
   /// Next image, stored in `recycled` if the size matches. Throws InputError if the image size
-  /// changes.
+  /// changes, or as LumaExtractor.
   [[nodiscard]] ReadResult read(cv::Mat recycled);
 
   /// True if the display matrix rotates the images, so that image rows are not sensor rows.
   [[nodiscard]] bool is_rotated() const;
 
-  /// Message if the pixel aspect ratio is not 1; nullopt otherwise.
-  [[nodiscard]] std::optional<std::string> non_square_pixels() const;
+  /// Frame rate by which the images are stamped: source.rate_hz, or that of a bare stream's
+  /// headers. Nullopt if the file stamps them.
+  [[nodiscard]] std::optional<double> assumed_rate_hz() const;
+
+  /// Messages on the choice of the track, on an assumed frame rate and on pixels that are not
+  /// square; empty without any.
+  [[nodiscard]] std::vector<std::string> notes() const;
 
   /// Duration in the file's header; nullopt if unknown.
   [[nodiscard]] std::optional<double> duration_s() const;

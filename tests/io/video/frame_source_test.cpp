@@ -130,7 +130,7 @@ TEST(FrameSource, ErrorsNameFileAndRemedy) {
   const TemporaryFolder folder;
   const fs::path video = write_video(folder.path() / "v.mp4", 2);
   EXPECT_EQ(input_error_of(folder, [&] { FrameSource({.path = video, .bits = 12}); }),
-            "source.bits: only for 16-bit image files; remove it for a video");
+            "v.mp4: 8-bit image; source.bits is only for images of more than 8 bits, remove it");
   const auto error = [&](const fs::path& path) {
     return input_error_of(folder, [&] { FrameSource({.path = path}); });
   };
@@ -209,7 +209,7 @@ TEST(FrameSource, ScalesImagesOf16BitsByTheirSignificantBits) {
   cv::imwrite((folder.path() / "8.bmp").string(), image(0));
   const SourceConfig late{.path = folder.path(), .start_s = 0.14, .rate_hz = 20, .bits = 12};
   EXPECT_EQ(input_error_of(folder, [&] { FrameSource{late}; }),
-            "8.bmp: 8-bit image; source.bits is only for 16-bit images");
+            "8.bmp: 8-bit image; source.bits is only for images of more than 8 bits, remove it");
   FrameSource all({.path = folder.path(), .rate_hz = 20, .bits = 16});
   EXPECT_EQ(read_all(all).front().grey.at<unsigned char>(50, 50), 6);
 }

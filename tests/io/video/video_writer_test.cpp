@@ -38,7 +38,7 @@ TEST(VideoWriter, LosslessVideoReadsBackEqual) {
   for (const double rate_hz : {25.0, 30.0, 29.97}) {
     const auto file = folder.path() / "flight.mp4";
     encode_pattern(file, rate_hz, {.crf = 0, .preset = EncoderPreset::ultrafast});
-    VideoReader reader(file, 0, std::nullopt);
+    VideoReader reader({.path = file});
     for (int frame = 0; frame < kWritten; ++frame) {
       const ReadResult result = reader.read({});
       ASSERT_EQ(result.status, ReadResult::Status::frame) << frame;
@@ -52,7 +52,7 @@ TEST(VideoWriter, TimeStampsOfIntegerRatesAreExact) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "flight.mp4";
   encode_pattern(file, 25, {});
-  VideoReader reader(file, 0, std::nullopt);
+  VideoReader reader({.path = file});
   for (int frame = 0; frame < kWritten; ++frame) {
     EXPECT_EQ(reader.read({}).frame.stamp.ns, frame * 40'000'000LL);
   }
