@@ -15,10 +15,11 @@ namespace stillkite {
 
 FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
   const std::optional<EurocDataset> dataset = find_euroc_dataset(config.source.path);
-  const Calibration calibration = find_calibration(config, dataset, first.grey.size());
+  const std::shared_ptr<const ImageMask> mask = read_mask(config.calibration, first.grey.size());
+  const Calibration calibration = find_calibration(config, dataset, first.grey.size(), mask.get());
   FlightInputs inputs{.camera = calibration.camera,
                       .body_from_camera = mount_of(config.mount, calibration),
-                      .mask = read_mask(config.calibration, first.grey.size())};
+                      .mask = mask};
   GroundTruth truth = read_ground_truth(config.truth, dataset);
   inputs.truth = std::move(truth.poses);
   inputs.twists_in_camera = std::move(truth.twists_in_camera);
