@@ -6,6 +6,7 @@
 
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
+#include "io/dataset/flight_sensors.hpp"
 #include "io/results/output_file.hpp"
 
 namespace stillkite {
@@ -19,7 +20,9 @@ constexpr std::uintmax_t kBytesPerRun = 2 << 20;
 constexpr std::uintmax_t kBytesPerOverlayFrame = 100'000;
 
 HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
-  return {inputs.camera,    inputs.body_from_camera,     config.navigator,
+  NavigatorConfig navigator = config.navigator;
+  navigator.fusion = with_imu_noise(navigator.fusion, inputs.sensors.imu_noise);
+  return {inputs.camera,    inputs.body_from_camera,     navigator,
           config.estimator, in_shadow_mode(config.hold), inputs.initial};
 }
 

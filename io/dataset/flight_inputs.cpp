@@ -23,7 +23,7 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
   GroundTruth truth = read_ground_truth(config.truth, dataset);
   inputs.truth = std::move(truth.poses);
   inputs.twists_in_camera = std::move(truth.twists_in_camera);
-  inputs.sensors = read_sensors(config);
+  inputs.sensors = read_sensors(config, calibration.timeshift_cam_imu_s);
   inputs.initial = initial_state(config, inputs.truth, inputs.sensors, first.stamp);
   reconcile_with_initial_state(config, inputs.initial, first.stamp, inputs.sensors);
   const RigidTransform world_from_camera = inputs.initial.world_from_body * inputs.body_from_camera;
