@@ -6,6 +6,7 @@
 
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
+#include "io/dataset/flight_sensors.hpp"
 #include "io/results/output_file.hpp"
 #include "navigation/effective_config.hpp"
 #include "navigation/pilot_step.hpp"
@@ -26,7 +27,9 @@ RunConfig effective_run_config(RunConfig config, const InitialState& initial) {
 }
 
 HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
-  return {inputs.camera,    inputs.body_from_camera,     config.navigator,
+  NavigatorConfig navigator = config.navigator;
+  navigator.fusion = with_imu_noise(navigator.fusion, inputs.sensors.imu_noise);
+  return {inputs.camera,    inputs.body_from_camera,     navigator,
           config.estimator, in_shadow_mode(config.hold), inputs.initial};
 }
 

@@ -74,6 +74,13 @@ Messages input_warnings(const EstimatorRun& run) {
         "imu.path: rejected {} of {} readings: all zero, or outliers to both neighbours", rejected,
         rejected + run.inputs().sensors.imu.stamps.size()));
   }
+  constexpr double kMaxLeverArm_m = 0.01;
+  if (const double arm_m = run.inputs().sensors.imu_lever_arm_m; arm_m > kMaxLeverArm_m) {
+    messages.push_back(fmt::format(
+        "imu.path: T_BS of its sensor.yaml places the IMU {:.3g} m from the body's origin; the "
+        "lever arm is not modelled: use the IMU as the body",
+        arm_m));
+  }
   if (run.config().acceleration.path && run.config().estimator.mode_in_use() != Mode::paper) {
     messages.emplace_back("acceleration.path: used only by estimator.mode=paper");
   }

@@ -1,5 +1,7 @@
 #include "navigation/inertial_steps.hpp"
 
+#include <algorithm>
+
 namespace stillkite {
 namespace {
 
@@ -25,7 +27,9 @@ std::vector<InertialStep> inertial_steps(const std::vector<InertialReading>& rea
     const bool is_finite = reading.angular_rate_in_body_rad_s.allFinite() &&
                            reading.specific_force_in_body_m_s2.allFinite();
     if (!is_finite || reading.stamp <= at || reading.stamp > to) continue;
-    steps.push_back(in_camera(reading, seconds_between(at, reading.stamp), body_from_camera));
+    const Timestamp start = std::max(at, reading.valid_from.value_or(at));
+    const double dt_s = seconds_between(start, reading.stamp);
+    if (dt_s > 0) steps.push_back(in_camera(reading, dt_s, body_from_camera));
     at = reading.stamp;
   }
   const double remaining_s = seconds_between(at, to);

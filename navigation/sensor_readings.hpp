@@ -33,6 +33,7 @@ struct InertialReading {
   Timestamp stamp;
   Eigen::Vector3d angular_rate_in_body_rad_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d specific_force_in_body_m_s2 = Eigen::Vector3d::Zero();
+  std::optional<Timestamp> valid_from = {};  ///< after a gap: later than the previous stamp
 };
 
 /// Readings of other sensors for the interval that ends at a frame; each is optional. Values that

@@ -116,6 +116,15 @@ std::vector<double> read_numbers(const ConfigNode& node, const std::string& key,
   return values;
 }
 
+Eigen::Quaterniond unit_quaternion(const std::array<double, 4>& wxyz, const std::string& key) {
+  const auto& [w, x, y, z] = wxyz;
+  const Eigen::Quaterniond q(w, x, y, z);
+  if (!(std::abs(q.norm() - 1.0) < 0.01)) {
+    throw InputError(fmt::format("{}: the norm is {:.4g}, must be 1", key, q.norm()));
+  }
+  return q.normalized();
+}
+
 std::size_t read_choice(const ConfigNode& node, const std::string& key,
                         std::span<const std::string_view> names) {
   require_scalar(node, key, "one of its names");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <span>
@@ -30,6 +32,10 @@ namespace stillkite {
 inline constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max();
 [[nodiscard]] std::vector<double> read_numbers(const ConfigNode& node, const std::string& key,
                                                const Range& range, std::size_t size = kAnySize);
+
+/// Unit quaternion of a configured rotation. Throws InputError unless its norm is 1 within 1 %.
+[[nodiscard]] Eigen::Quaterniond unit_quaternion(const std::array<double, 4>& wxyz,
+                                                 const std::string& key);
 
 /// Index of the scalar in `names`.
 [[nodiscard]] std::size_t read_choice(const ConfigNode& node, const std::string& key,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/fields.hpp"
+#include "io/config/log_config.hpp"
 
 namespace stillkite {
 
@@ -56,21 +57,15 @@ struct InitialConfig {
 struct HeightConfig {
   HeightSource source = HeightSource::none;
   std::optional<std::filesystem::path> path;
+  double time_offset_s = 0;
 
   static void fields(auto& self, auto&& field) {
     field("source", self.source,
           "sensor type: range is the distance to the ground along the body's -z, barometer the "
           "relative height");
     field("path", self.path, "CSV: timestamp [ns] or [s], height [m]");
-  }
-};
-
-struct LogConfig {
-  std::optional<std::filesystem::path> path;
-
-  static void fields(auto& self, auto&& field) {
-    field("path", self.path,
-          "CSV, time stamp in the first column; without it the sensor is not used");
+    field("time_offset_s", self.time_offset_s, kTimeOffset_s,
+          "added to the log's stamps, so that they are on the clock of the images");
   }
 };
 

@@ -31,9 +31,9 @@ struct RunConfig {
   TruthConfig truth;
   InitialConfig initial;
   HeightConfig height;
-  LogConfig gyro;
-  LogConfig imu;
-  LogConfig attitude;
+  AxesLogConfig gyro;
+  ImuLogConfig imu;
+  AxesLogConfig attitude;
   LogConfig acceleration;
   EstimatorConfig estimator;
   NavigatorConfig navigator;

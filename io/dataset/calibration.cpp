@@ -2,9 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "io/config/config_values.hpp"
+#include "io/dataset/calibration_keys.hpp"
+#include "io/dataset/opencv_xml.hpp"
 
 namespace stillkite {
 namespace {
@@ -29,12 +32,9 @@ DistortionModel distortion_named(const ConfigNode& node, const std::string& key)
                      : DistortionModel::equidistant;
 }
 
-void set_distortion(Camera& camera, DistortionModel model, const ConfigNode& node,
-                    const std::string& key, const std::vector<double>& given) {
-  camera.distortion = model;
-  if (model == DistortionModel::none) return;
-  if (const auto wrong = coefficient_mismatch(model, given.size())) reject_value(node, key, *wrong);
-  std::copy(given.begin(), given.end(), camera.coefficients.begin());
+void read_distortion(Camera& camera, DistortionModel model, const ConfigNode& node,
+                     const std::string& key, const std::vector<double>& given) {
+  if (const auto wrong = set_distortion(camera, model, given)) reject_value(node, key, *wrong);
 }
 
 // Matrix {rows, cols, data} of EuRoC and OpenCV.
@@ -49,32 +49,25 @@ std::vector<double> read_matrix(const ConfigNode& node, const std::string& key) 
   return data;
 }
 
-RigidTransform to_transform(const ConfigNode& node, const std::string& key,
-                            const std::vector<double>& data) {
-  if (data.size() != 16) reject_value(node, key, "expected a 4 x 4 matrix");
-  const Eigen::Matrix4d T =
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data.data());
-  const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
-  const double orthonormality_error = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
-  const bool is_last_row = (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-6;
-  if (!(orthonormality_error < 1e-3) || !(R.col(0).cross(R.col(1)).dot(R.col(2)) > 0) ||
-      !is_last_row) {
-    reject_value(
-        node, key,
-        "not a rigid transform: the rotation must be orthonormal and right-handed, the last row "
-        "0 0 0 1");
+// Mount and clock, by any of their names; rejects other keys that look like these or like a lens.
+void read_extrinsics(const ConfigNode& map, const std::string& prefix,
+                     std::vector<std::string_view> lens_keys, Calibration& out) {
+  constexpr Range kTimeshift_s{-10, 10};
+  std::vector<std::string_view>& read = lens_keys;
+  for (const auto& [key, value] : map.entries) {
+    const MountKey mount = mount_key(key);
+    if (key == "timeshift_cam_imu") {
+      out.timeshift_cam_imu_s = read_number(value, prefix + key, kTimeshift_s);
+    } else if (mount != MountKey::none) {
+      if (out.body_from_camera) reject_value(value, prefix + key, "a second mount; keep one");
+      const RigidTransform T = read_transform(value, prefix + key);
+      out.body_from_camera = mount == MountKey::body_from_camera ? T : T.inverse();
+    } else {
+      continue;
+    }
+    read.push_back(key);
   }
-  return {Eigen::Quaterniond(R).normalized(), T.topRightCorner<3, 1>()};
-}
-
-// Matrix of Kalibr: a list of rows.
-RigidTransform read_rows(const ConfigNode& node, const std::string& key) {
-  std::vector<double> data;
-  for (const ConfigNode& row : node.items) {
-    const std::vector<double> numbers = read_numbers(row, key, kAny, 4);
-    data.insert(data.end(), numbers.begin(), numbers.end());
-  }
-  return to_transform(node, key, data);
+  reject_unread_keys(map, prefix, read);
 }
 
 // Pinhole camera of EuRoC and Kalibr, which differ in the key of the coefficients.
@@ -93,27 +86,22 @@ Camera read_pinhole(const ConfigNode& root, const std::string& prefix,
                 .centre_y_px = intrinsics[3]};
   const auto model =
       distortion_named(require(root, "distortion_model"), prefix + "distortion_model");
-  if (model != DistortionModel::none) {
-    const ConfigNode& node = require(root, coefficients_key);
-    set_distortion(camera, model, node, prefix + coefficients_key,
-                   read_numbers(node, prefix + coefficients_key, kAny));
+  const ConfigNode* const node = root.find(coefficients_key);
+  if (node != nullptr || model != DistortionModel::none) {
+    (void)require(root, coefficients_key);
+    read_distortion(camera, model, *node, prefix + coefficients_key,
+                    read_numbers(*node, prefix + coefficients_key, kAny));
   }
   return camera;
 }
 
-Calibration read_euroc(const ConfigNode& root) {
-  Calibration out{.camera = read_pinhole(root, "", "distortion_coefficients")};
-  if (const ConfigNode* T = root.find("T_BS")) {
-    out.body_from_camera = to_transform(*T, "T_BS", read_matrix(*T, "T_BS"));
-  }
-  return out;
-}
-
-Calibration read_kalibr(const ConfigNode& cam0) {
-  Calibration out{.camera = read_pinhole(cam0, "cam0.", "distortion_coeffs")};
-  if (const ConfigNode* T = cam0.find("T_cam_imu")) {
-    out.body_from_camera = read_rows(*T, "cam0.T_cam_imu").inverse();
-  }
+// EuRoC, and Kalibr's cam0.
+Calibration read_pinhole_file(const ConfigNode& map, const std::string& prefix,
+                              const char* coefficients_key) {
+  Calibration out{.camera = read_pinhole(map, prefix, coefficients_key)};
+  read_extrinsics(
+      map, prefix,
+      {"camera_model", "resolution", "intrinsics", "distortion_model", coefficients_key}, out);
   return out;
 }
 
@@ -136,29 +124,34 @@ Calibration read_opencv(const ConfigNode& root) {
   if (const ConfigNode* name = root.find("distortion_model")) {
     model = distortion_named(*name, "distortion_model");
   } else if (const ConfigNode* flag = root.find("fisheye_model")) {
-    if (flag->text == "1" || flag->text == "true") model = DistortionModel::equidistant;
+    constexpr auto kFlags = std::to_array<std::string_view>({"0", "false", "1", "true"});
+    if (read_choice(*flag, "fisheye_model", kFlags) > 1) model = DistortionModel::equidistant;
   }
   const ConfigNode& node = require(root, "distortion_coefficients");
-  set_distortion(camera, model, node, "distortion_coefficients",
-                 read_matrix(node, "distortion_coefficients"));
-  return {.camera = camera};
+  read_distortion(camera, model, node, "distortion_coefficients",
+                  read_matrix(node, "distortion_coefficients"));
+  Calibration out{.camera = camera};
+  read_extrinsics(root, "",
+                  {"camera_matrix", "distortion_model", "fisheye_model", "distortion_coefficients"},
+                  out);
+  return out;
 }
 
 }  // namespace
 
 Calibration read_calibration(const std::filesystem::path& file) {
-  return read_calibration(read_yaml(file));
+  return read_calibration(is_xml(file) ? read_opencv_xml(file) : read_yaml(file));
 }
 
 Calibration read_calibration(const ConfigNode& root) {
-  const ConfigNode* cam0 = root.find("cam0");
   Calibration out;
-  if (cam0 != nullptr) {
-    out = read_kalibr(*cam0);
+  if (const ConfigNode* cam0 = root.find("cam0")) {
+    out = read_pinhole_file(*cam0, "cam0.", "distortion_coeffs");
+    reject_unread_keys(root, "", std::to_array<std::string_view>({"cam0"}));
   } else if (root.find("camera_matrix") != nullptr) {
     out = read_opencv(root);
   } else if (root.find("intrinsics") != nullptr) {
-    out = read_euroc(root);
+    out = read_pinhole_file(root, "", "distortion_coefficients");
   } else {
     throw InputError(
         root.origin +
@@ -169,15 +162,58 @@ Calibration read_calibration(const ConfigNode& root) {
   return out;
 }
 
-std::optional<std::string> coefficient_mismatch(DistortionModel model, std::size_t n) {
-  if (model == DistortionModel::none) {
-    if (n == 0) return std::nullopt;
-    return fmt::format("{} coefficients without a distortion model; set distortion", n);
+RigidTransform read_transform(const ConfigNode& node, const std::string& key) {
+  std::vector<double> data;
+  if (node.kind == ConfigNode::Kind::map) {
+    data = read_matrix(node, key);
+  } else if (!node.items.empty() && node.items[0].kind == ConfigNode::Kind::list) {
+    for (const ConfigNode& row : node.items) {
+      const std::vector<double> numbers = read_numbers(row, key, kAny, 4);
+      data.insert(data.end(), numbers.begin(), numbers.end());
+    }
+  } else {
+    data = read_numbers(node, key, kAny);
   }
+  if (data.size() != 16) reject_value(node, key, "expected a 4 x 4 matrix");
+  const Eigen::Matrix4d T =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data.data());
+  const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
+  const double orthonormality_error = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
+  const bool is_last_row = (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-6;
+  if (!(orthonormality_error < 1e-3) || !(R.col(0).cross(R.col(1)).dot(R.col(2)) > 0) ||
+      !is_last_row) {
+    reject_value(
+        node, key,
+        "not a rigid transform: the rotation must be orthonormal and right-handed, the last row "
+        "0 0 0 1");
+  }
+  return {Eigen::Quaterniond(R).normalized(), T.topRightCorner<3, 1>()};
+}
+
+std::optional<std::string> set_distortion(Camera& camera, DistortionModel model,
+                                          std::span<const double> coefficients) {
+  const auto is_zero = [](double c) { return c == 0; };
   const bool is_equidistant = model == DistortionModel::equidistant;
-  if (n == 4 || (!is_equidistant && (n == 5 || n == 8))) return std::nullopt;
-  return fmt::format("{} coefficients, expected {} for {}", n, is_equidistant ? "4" : "4, 5 or 8",
-                     name_of(model));
+  const std::size_t n = coefficients.size();
+  const std::size_t most = model == DistortionModel::none ? 0 : is_equidistant ? 4 : 8;
+  const auto used = coefficients.first(std::min(n, most));
+  if (!std::ranges::all_of(coefficients.subspan(used.size()), is_zero)) {
+    if (most == 0) {
+      return fmt::format("{} coefficients without a distortion model; set distortion", n);
+    }
+    if (n == 12 || n == 14) {
+      return fmt::format(
+          "{} coefficients: thin prism and tilted sensor (the last {}) are not supported unless "
+          "zero; calibrate with 8",
+          n, n - most);
+    }
+  } else if (most == 0 || n == 4 || n == 12 || n == 14 || (!is_equidistant && (n == 5 || n == 8))) {
+    camera.distortion = model;
+    std::ranges::copy(used, camera.coefficients.begin());
+    return std::nullopt;
+  }
+  return fmt::format("{} coefficients, expected {} for {}", n,
+                     is_equidistant ? "4" : "4, 5 or 8 (12, 14: the last zero)", name_of(model));
 }
 
 void check_camera(const Camera& camera, const std::string& origin) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "geometry/camera.hpp"
@@ -15,19 +16,27 @@ struct ConfigNode;
 struct Calibration {
   Camera camera;
   std::optional<RigidTransform> body_from_camera;  ///< nullopt if the file has no extrinsics
+  std::optional<double> timeshift_cam_imu_s;       ///< t_imu = t_cam + timeshift (Kalibr)
 };
 
 /// Reads one of three formats, detected by its keys:
-/// - EuRoC sensor.yaml: resolution, intrinsics, distortion_model, T_BS (body_from_sensor);
-/// - Kalibr camchain: cam0, with T_cam_imu (camera_from_imu; body = IMU);
-/// - OpenCV FileStorage: image_width, image_height, camera_matrix, distortion_coefficients
-///   (4, 5 or 8; 4 for distortion_model equidistant or fisheye_model).
+/// - EuRoC sensor.yaml: resolution, intrinsics, distortion_model;
+/// - Kalibr camchain, OpenVINS: the same in cam0;
+/// - OpenCV FileStorage, YAML or XML: image_width, image_height, camera_matrix,
+///   distortion_coefficients.
+/// In each, the extrinsics by any name of mount_key() and the clock by timeshift_cam_imu; other
+/// keys that look like a mount, a clock or a lens are errors.
 /// Throws InputError "file:line:column: key: problem".
 [[nodiscard]] Calibration read_calibration(const std::filesystem::path& file);
 [[nodiscard]] Calibration read_calibration(const ConfigNode& root);
 
-/// Message if the model does not take n distortion coefficients; nullopt if it does.
-[[nodiscard]] std::optional<std::string> coefficient_mismatch(DistortionModel model, std::size_t n);
+/// Rigid transform of a 4 x 4 matrix: a list of 16 numbers, a list of rows, or {rows, cols, data}.
+[[nodiscard]] RigidTransform read_transform(const ConfigNode& node, const std::string& key);
+
+/// Sets model and coefficients. Returns a message if the model does not take that many; zeros after
+/// the model's last coefficient are accepted (OpenCV's 12 and 14).
+[[nodiscard]] std::optional<std::string> set_distortion(Camera& camera, DistortionModel model,
+                                                        std::span<const double> coefficients);
 
 /// Throws InputError "origin: problem" unless resolution and focal lengths are positive, the focal
 /// lengths at least 10 % of the image, the principal point inside it and all numbers finite.

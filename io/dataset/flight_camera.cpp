@@ -9,6 +9,8 @@
 #include <string>
 
 #include "geometry/angle.hpp"
+#include "io/config/config_values.hpp"
+#include "io/dataset/lens_check.hpp"
 
 namespace stillkite {
 namespace {
@@ -19,12 +21,10 @@ Calibration calibration_of(const CameraConfig& config) {
                 .focal_x_px = config.focal_x_px,
                 .focal_y_px = config.focal_y_px,
                 .centre_x_px = config.centre_x_px,
-                .centre_y_px = config.centre_y_px,
-                .distortion = config.distortion};
-  if (const auto wrong = coefficient_mismatch(config.distortion, config.coefficients.size())) {
+                .centre_y_px = config.centre_y_px};
+  if (const auto wrong = set_distortion(camera, config.distortion, config.coefficients)) {
     throw InputError("calibration.camera.coefficients: " + *wrong);
   }
-  std::copy(config.coefficients.begin(), config.coefficients.end(), camera.coefficients.begin());
   check_camera(camera, "calibration.camera");
   return {.camera = camera};
 }
@@ -43,7 +43,7 @@ Eigen::Quaterniond body_from_camera_looking_down(double down_deg) {
 }  // namespace
 
 Calibration find_calibration(const RunConfig& config, const std::optional<EurocDataset>& dataset,
-                             const cv::Size& size) {
+                             const cv::Size& size, const ImageMask* mask) {
   if (config.calibration.path && config.calibration.camera) {
     throw InputError("calibration.path and calibration.camera are both set; keep one");
   }
@@ -66,6 +66,7 @@ Calibration find_calibration(const RunConfig& config, const std::optional<EurocD
         origin, found.camera.width_px, found.camera.height_px, config.source.path.string(),
         size.width, size.height));
   }
+  check_lens(found.camera, mask, origin);
   return found;
 }
 
@@ -75,12 +76,7 @@ RigidTransform mount_of(const MountConfig& mount, const Calibration& calibration
     if (mount.down_deg) {
       throw InputError("mount.down_deg and mount.rotation_wxyz are both set; keep one");
     }
-    const auto& [w, x, y, z] = *mount.rotation_wxyz;
-    const Eigen::Quaterniond q(w, x, y, z);
-    if (!(std::abs(q.norm() - 1.0) < 0.01)) {
-      throw InputError(fmt::format("mount.rotation_wxyz: the norm is {:.4g}, must be 1", q.norm()));
-    }
-    return {q.normalized(), position};
+    return {unit_quaternion(*mount.rotation_wxyz, "mount.rotation_wxyz"), position};
   }
   if (!mount.down_deg && calibration.body_from_camera) {
     if (!position.isZero(0)) {

@@ -9,11 +9,14 @@
 
 namespace stillkite {
 
+class ImageMask;
+
 /// Calibration of the configuration, else of the data set. Throws InputError without one, with two,
-/// and if its size differs from the images'.
+/// if its size differs from the images', and if its lens model is not one-to-one where `mask` (may
+/// be null) does not hide the scene.
 [[nodiscard]] Calibration find_calibration(const RunConfig& config,
                                            const std::optional<EurocDataset>& dataset,
-                                           const cv::Size& size);
+                                           const cv::Size& size, const ImageMask* mask);
 
 /// body_from_camera of the configuration, else of the calibration, else looking down. Throws
 /// InputError on contradictory keys and a quaternion that is not of unit norm.

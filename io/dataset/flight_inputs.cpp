@@ -15,14 +15,15 @@ namespace stillkite {
 
 FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
   const std::optional<EurocDataset> dataset = find_euroc_dataset(config.source.path);
-  const Calibration calibration = find_calibration(config, dataset, first.grey.size());
+  const std::shared_ptr<const ImageMask> mask = read_mask(config.calibration, first.grey.size());
+  const Calibration calibration = find_calibration(config, dataset, first.grey.size(), mask.get());
   FlightInputs inputs{.camera = calibration.camera,
                       .body_from_camera = mount_of(config.mount, calibration),
-                      .mask = read_mask(config.calibration, first.grey.size())};
+                      .mask = mask};
   GroundTruth truth = read_ground_truth(config.truth, dataset);
   inputs.truth = std::move(truth.poses);
   inputs.twists_in_camera = std::move(truth.twists_in_camera);
-  inputs.sensors = read_sensors(config);
+  inputs.sensors = read_sensors(config, calibration.timeshift_cam_imu_s);
   inputs.initial = initial_state(config, inputs.truth, inputs.sensors, first.stamp);
   reconcile_with_initial_state(config, inputs.initial, first.stamp, inputs.sensors);
   const RigidTransform world_from_camera = inputs.initial.world_from_body * inputs.body_from_camera;

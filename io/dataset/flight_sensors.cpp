@@ -2,10 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
 
+#include "io/config/config_values.hpp"
+#include "io/dataset/imu_description.hpp"
 #include "io/dataset/sensor_checks.hpp"
 
 namespace stillkite {
@@ -13,7 +16,7 @@ namespace {
 
 // A range finder without an echo returns 0 or less. True if no valid reading is left.
 bool remove_invalid_ranges(TimeSeries<double>& distances_m) {
-  TimeSeries<double> valid;
+  TimeSeries<double> valid{.stamps = {}, .values = {}, .max_gap_s = distances_m.max_gap_s};
   for (std::size_t i = 0; i < distances_m.stamps.size(); ++i) {
     if (!(distances_m.values[i] > 0)) continue;
     valid.stamps.push_back(distances_m.stamps[i]);
@@ -56,33 +59,102 @@ void align_barometer_to_initial_height(const InitialState& initial, Timestamp fi
   for (double& height_m : sensors.height_m.values) height_m += offset_m;
 }
 
+// Adds the offset to the stamps: log clock to image clock.
+template <typename Value>
+void shift(TimeSeries<Value>& series, double offset_s) {
+  for (Timestamp& stamp : series.stamps) stamp.ns += std::llround(1e9 * offset_s);
+}
+
+// t_cam = t_imu - timeshift
+double offset_s_of(const LogConfig& log, std::optional<double> timeshift_cam_imu_s) {
+  return log.time_offset_s.value_or(-timeshift_cam_imu_s.value_or(0));
+}
+
+Eigen::Quaterniond body_from_sensor(const AxesLogConfig& log, const std::string& key,
+                                    const std::optional<ImuDescription>& description) {
+  if (log.rotation_wxyz) return unit_quaternion(*log.rotation_wxyz, key + ".rotation_wxyz");
+  return description ? description->body_from_sensor.rotation : Eigen::Quaterniond::Identity();
+}
+
+TimeSeries<Eigen::Vector3d> read_body_rates(const AxesLogConfig& config,
+                                            std::optional<double> timeshift_cam_imu_s) {
+  TimeSeries<Eigen::Vector3d> rates = read_gyro(*config.path);
+  shift(rates, offset_s_of(config, timeshift_cam_imu_s));
+  const Eigen::Quaterniond rotation =
+      body_from_sensor(config, "gyro", read_imu_description(*config.path));
+  for (Eigen::Vector3d& rate : rates.values) rate = rotation * rate;
+  return rates;
+}
+
+void read_body_imu(const ImuLogConfig& config, std::optional<double> timeshift_cam_imu_s,
+                   SensorLog& log) {
+  const TimeSeries<Vector6d> all = read_imu(*config.path);
+  log.imu = reject_imu_outliers(all);
+  log.rejected_imu_readings = all.stamps.size() - log.imu.stamps.size();
+  if (log.imu.stamps.empty()) throw InputError(config.path->string() + ": all readings are zero");
+  shift(log.imu, offset_s_of(config, timeshift_cam_imu_s));
+  const std::optional<ImuDescription> description = read_imu_description(*config.path);
+  const Eigen::Quaterniond rotation = body_from_sensor(config, "imu", description);
+  log.angular_rate_in_body_rad_s.stamps = log.imu.stamps;
+  log.angular_rate_in_body_rad_s.max_gap_s = log.imu.max_gap_s;
+  for (Vector6d& value : log.imu.values) {
+    value << rotation * value.head<3>(), rotation * value.tail<3>();
+    log.angular_rate_in_body_rad_s.values.emplace_back(value.head<3>());
+  }
+  log.imu_noise = config.noise;
+  if (!description) return;
+  log.imu_lever_arm_m = description->body_from_sensor.translation.norm();
+  const auto set_default = [](std::optional<double>& value, std::optional<double> by_file) {
+    if (!value) value = by_file;
+  };
+  set_default(log.imu_noise.gyro_density, description->noise.gyro_density);
+  set_default(log.imu_noise.gyro_bias_walk, description->noise.gyro_bias_walk);
+  set_default(log.imu_noise.accel_density, description->noise.accel_density);
+  set_default(log.imu_noise.accel_bias_walk, description->noise.accel_bias_walk);
+}
+
+// world_from_body = world_from_sensor sensor_from_body
+TimeSeries<Eigen::Quaterniond> read_body_attitudes(const AxesLogConfig& config) {
+  TimeSeries<Eigen::Quaterniond> attitudes = read_attitudes(*config.path);
+  shift(attitudes, offset_s_of(config, std::nullopt));
+  const Eigen::Quaterniond sensor_from_body =
+      body_from_sensor(config, "attitude", std::nullopt).conjugate();
+  for (Eigen::Quaterniond& attitude : attitudes.values) attitude = attitude * sensor_from_body;
+  return attitudes;
+}
+
 }  // namespace
 
-SensorLog read_sensors(const RunConfig& config) {
+FusionConfig with_imu_noise(FusionConfig fusion, const ImuNoiseConfig& noise) {
+  fusion.gyro_density = noise.gyro_density.value_or(fusion.gyro_density);
+  fusion.gyro_bias_walk = noise.gyro_bias_walk.value_or(fusion.gyro_bias_walk);
+  fusion.accel_density = noise.accel_density.value_or(fusion.accel_density);
+  fusion.accel_bias_walk = noise.accel_bias_walk.value_or(fusion.accel_bias_walk);
+  return fusion;
+}
+
+SensorLog read_sensors(const RunConfig& config, std::optional<double> timeshift_cam_imu_s) {
   SensorLog log;
   if (config.gyro.path && config.imu.path) {
     throw InputError(
         "gyro.path and imu.path are both set; keep one (imu.path includes the angular rates)");
   }
-  if (config.gyro.path) log.angular_rate_in_body_rad_s = read_gyro(*config.gyro.path);
-  if (config.imu.path) {
-    const TimeSeries<Vector6d> all = read_imu(*config.imu.path);
-    log.imu = reject_imu_outliers(all);
-    log.rejected_imu_readings = all.stamps.size() - log.imu.stamps.size();
-    if (log.imu.stamps.empty()) {
-      throw InputError(config.imu.path->string() + ": all readings are zero");
-    }
-    log.angular_rate_in_body_rad_s.stamps = log.imu.stamps;
-    for (const Vector6d& value : log.imu.values) {
-      log.angular_rate_in_body_rad_s.values.emplace_back(value.head<3>());
-    }
+  if (config.gyro.path) {
+    log.angular_rate_in_body_rad_s = read_body_rates(config.gyro, timeshift_cam_imu_s);
   }
-  if (config.attitude.path) log.attitude = read_attitudes(*config.attitude.path);
-  if (config.acceleration.path) log.acceleration = read_accelerations(*config.acceleration.path);
+  if (config.imu.path) read_body_imu(config.imu, timeshift_cam_imu_s, log);
+  if (config.attitude.path) log.attitude = read_body_attitudes(config.attitude);
+  if (config.acceleration.path) {
+    log.acceleration = read_accelerations(*config.acceleration.path);
+    shift(log.acceleration, offset_s_of(config.acceleration, std::nullopt));
+  }
   if (config.height.path.has_value() != (config.height.source != HeightSource::none)) {
     throw InputError("height.source and height.path: set both or neither");
   }
-  if (config.height.path) log.height_m = read_heights(*config.height.path);
+  if (config.height.path) {
+    log.height_m = read_heights(*config.height.path);
+    shift(log.height_m, config.height.time_offset_s);
+  }
   if (config.height.source == HeightSource::barometer) {
     log.height_source = ScaleSource::barometer;
   } else if (config.height.path && remove_invalid_ranges(log.height_m)) {
@@ -95,6 +167,7 @@ void reconcile_with_initial_state(const RunConfig& config, const InitialState& i
                                   Timestamp first, SensorLog& sensors) {
   if (config.imu.path) {
     check_specific_forces(sensors.imu, "imu.path", initial.world_from_body.rotation, first);
+    check_rate_unit(sensors.imu, "imu.path");
   }
   check_range(sensors, initial, first);
   if (config.height.source == HeightSource::barometer) {

@@ -16,33 +16,74 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Integral of the angular rate over the log, interpolated between readings.
+// Integral of the angular rate over the log, linear between readings.
 class GyroIntegral {
  public:
   explicit GyroIntegral(const TimeSeries<Vector3d>& gyro)
-      : stamps_(gyro.stamps), integrals_rad_(stamps_.size(), Vector3d::Zero()) {
+      : stamps_(gyro.stamps), at_(stamps_.size(), {Vector3d::Zero(), 0}) {
     for (std::size_t i = 1; i < stamps_.size(); ++i) {
-      integrals_rad_[i] =
-          integrals_rad_[i - 1] + seconds_between(stamps_[i - 1], stamps_[i]) * gyro.values[i];
+      const double dt_s = seconds_between(stamps_[i - 1], stamps_[i]);
+      const bool is_gap = dt_s > gyro.max_gap_s;
+      at_[i] = {at_[i - 1].rotation_rad + 0.5 * dt_s * (gyro.values[i - 1] + gyro.values[i]),
+                at_[i - 1].gaps + (is_gap ? 1 : 0)};
     }
   }
 
-  // Nullopt outside the log.
-  [[nodiscard]] std::optional<Vector3d> at(Timestamp stamp) const {
+  // Nullopt outside the log and over its gaps.
+  [[nodiscard]] std::optional<Vector3d> between(Timestamp from, Timestamp to) const {
+    const std::optional<Sum> first = at(from), last = at(to);
+    if (!first || !last || first->gaps != last->gaps) return std::nullopt;
+    return Vector3d(last->rotation_rad - first->rotation_rad);
+  }
+
+ private:
+  struct Sum {
+    Vector3d rotation_rad;
+    int gaps = 0;
+  };
+
+  [[nodiscard]] std::optional<Sum> at(Timestamp stamp) const {
     const auto after = std::lower_bound(stamps_.begin(), stamps_.end(), stamp);
     if (after == stamps_.end() || after == stamps_.begin()) return std::nullopt;
     const auto i = static_cast<std::size_t>(after - stamps_.begin());
     const double ratio =
         seconds_between(stamps_[i - 1], stamp) / seconds_between(stamps_[i - 1], stamps_[i]);
-    return Vector3d(integrals_rad_[i - 1] + ratio * (integrals_rad_[i] - integrals_rad_[i - 1]));
+    return Sum{at_[i - 1].rotation_rad + ratio * (at_[i].rotation_rad - at_[i - 1].rotation_rad),
+               at_[i].gaps};
   }
 
- private:
   const std::vector<Timestamp>& stamps_;
-  std::vector<Vector3d> integrals_rad_;
+  std::vector<Sum> at_;
 };
 
-// Sums over frame intervals of image rotations p and gyroscope rotations g.
+// Adds up consecutive image rotations to at least 0.1 s: at 240 frames per second the noise of one
+// frame exceeds its rotation.
+std::vector<ObservedRotation> merged(std::span<const ObservedRotation> observed) {
+  constexpr double kMinInterval_s = 0.1;
+  constexpr double kMaxRate_rad_s = 5;  // larger image rotations are outliers
+  std::vector<ObservedRotation> out;
+  std::optional<ObservedRotation> sum;
+  for (const ObservedRotation& rotation : observed) {
+    const double dt_s = seconds_between(rotation.from, rotation.to);
+    if (!(rotation.rotation_in_body_rad.norm() < kMaxRate_rad_s * dt_s)) {
+      sum.reset();
+      continue;
+    }
+    if (sum && sum->to == rotation.from) {
+      sum->to = rotation.to;
+      sum->rotation_in_body_rad += rotation.rotation_in_body_rad;
+    } else {
+      sum = rotation;
+    }
+    if (seconds_between(sum->from, sum->to) < kMinInterval_s) continue;
+    out.push_back(*sum);
+    sum.reset();
+  }
+  return out;
+}
+
+// Sums over intervals of image rotations p and gyroscope rotations g, both less their mean rate:
+// that of the gyroscope includes its bias.
 struct RotationSums {
   Matrix3d pg = Matrix3d::Zero();  // sum of p g^T
   double pp = 0;                   // sum of |p|^2
@@ -58,21 +99,33 @@ struct RotationSums {
 
 RotationSums rotation_sums(const GyroIntegral& gyro, std::span<const ObservedRotation> observed,
                            double offset_s) {
-  constexpr double kMaxRate_rad_s = 5;  // larger image rotations are outliers
   const std::int64_t offset_ns = std::llround(1e9 * offset_s);
   RotationSums out;
+  Vector3d p_sum = Vector3d::Zero(), g_sum = Vector3d::Zero();
+  Vector3d pt_sum = Vector3d::Zero(), gt_sum = Vector3d::Zero();
+  double tt_sum = 0;
   for (const ObservedRotation& rotation : observed) {
     const double dt_s = seconds_between(rotation.from, rotation.to);
-    const auto from = gyro.at({rotation.from.ns + offset_ns});
-    const auto to = gyro.at({rotation.to.ns + offset_ns});
-    if (!from || !to || !(rotation.rotation_in_body_rad.norm() < kMaxRate_rad_s * dt_s)) continue;
-    const Vector3d gyro_rad = *to - *from;
-    out.pg += rotation.rotation_in_body_rad * gyro_rad.transpose();
-    out.pp += rotation.rotation_in_body_rad.squaredNorm();
-    out.gg += gyro_rad.squaredNorm();
+    const Vector3d& p = rotation.rotation_in_body_rad;
+    const auto g = gyro.between({rotation.from.ns + offset_ns}, {rotation.to.ns + offset_ns});
+    if (!g) continue;
+    out.pg += p * g->transpose();
+    out.pp += p.squaredNorm();
+    out.gg += g->squaredNorm();
+    p_sum += p;
+    g_sum += *g;
+    pt_sum += dt_s * p;
+    gt_sum += dt_s * *g;
+    tt_sum += dt_s * dt_s;
     out.time_s += dt_s;
     ++out.count;
   }
+  if (out.count == 0) return out;
+  // sum (p - P dt)(g - G dt)^T with the mean rates P, G
+  const Vector3d P = p_sum / out.time_s, G = g_sum / out.time_s;
+  out.pg += tt_sum * P * G.transpose() - P * gt_sum.transpose() - pt_sum * G.transpose();
+  out.pp += tt_sum * P.squaredNorm() - 2 * P.dot(pt_sum);
+  out.gg += tt_sum * G.squaredNorm() - 2 * G.dot(gt_sum);
   return out;
 }
 
@@ -85,9 +138,10 @@ Matrix3d best_axes(const RotationSums& sums) {
 std::string axes_description(const Matrix3d& axes) {
   if (axes.determinant() < 0) return "one or all gyroscope axes inverted";
   const Eigen::AngleAxisd rotation(axes);
-  return fmt::format("gyroscope axes rotated by {:.0f} deg about ({:.1f}, {:.1f}, {:.1f})",
-                     rotation.angle() / kDegree, rotation.axis().x(), rotation.axis().y(),
-                     rotation.axis().z());
+  return fmt::format(
+      "gyroscope axes rotated by {:.0f} deg about ({:.1f}, {:.1f}, {:.1f}) (set "
+      "rotation_wxyz, body from sensor)",
+      rotation.angle() / kDegree, rotation.axis().x(), rotation.axis().y(), rotation.axis().z());
 }
 
 struct Hypothesis {
@@ -95,48 +149,87 @@ struct Hypothesis {
   std::string description;
 };
 
-Hypothesis clock_offset_hypothesis(const GyroIntegral& gyro,
-                                   std::span<const ObservedRotation> observed, int min_pairs) {
-  constexpr double kMaxOffset_s = 5, kStep_s = 0.02;
-  Hypothesis best;
-  for (double offset_s = -kMaxOffset_s; offset_s <= kMaxOffset_s; offset_s += kStep_s) {
-    const RotationSums sums = rotation_sums(gyro, observed, offset_s);
-    if (sums.count < min_pairs) continue;
-    const double explained = sums.explained_fraction(Matrix3d::Identity());
-    if (explained > best.explained) {
-      best = {explained, fmt::format("a gyroscope clock {:.2f} s {}", std::abs(offset_s),
-                                     offset_s > 0 ? "ahead of the images" : "behind the images")};
+struct ClockOffset {
+  double offset_s = 0;  // of the log ahead of the images
+  double sigma_s = 0;
+  double explained = 0;
+};
+
+// Least squares over offsets within 5 s. Of several that explain a periodic motion, the smallest.
+ClockOffset clock_offset(const GyroIntegral& gyro, std::span<const ObservedRotation> observed,
+                         int min_pairs) {
+  constexpr int kMaxSteps = 250;
+  constexpr double kStep_s = 0.02, kMinGain = 0.02;
+  const auto explained_at = [&](int step) {
+    const RotationSums sums = rotation_sums(gyro, observed, kStep_s * step);
+    return sums.count < min_pairs ? -1.0 : sums.explained_fraction(Matrix3d::Identity());
+  };
+  int best = 0;
+  double explained = explained_at(0);
+  for (int i = 1; i <= kMaxSteps; ++i) {
+    for (const int step : {i, -i}) {
+      if (const double value = explained_at(step); value > explained + kMinGain) {
+        best = step;
+        explained = value;
+      }
     }
   }
-  return best;
+  double before = explained_at(best - 1), after = explained_at(best + 1);
+  while (std::max(before, after) > explained) {
+    const int direction = after > before ? 1 : -1;
+    best += direction;
+    (direction > 0 ? before : after) = explained;
+    explained = direction > 0 ? after : before;
+    (direction > 0 ? after : before) = explained_at(best + direction);
+  }
+  // parabola through three steps; sigma by the residual of 3 components per interval
+  const double curvature = std::max(2 * explained - before - after, 1e-12);
+  const double shift = 0.5 * (after - before) / curvature;
+  const int count = rotation_sums(gyro, observed, kStep_s * best).count;
+  return {
+      .offset_s = kStep_s * (best + shift),
+      .sigma_s = kStep_s * std::sqrt(2 * std::max(0.0, 1 - explained) / (3 * count * curvature)),
+      .explained = explained};
+}
+
+std::string clock_description(const ClockOffset& clock) {
+  return fmt::format(
+      "a gyroscope clock {:.2f} s {} (add {:+.3f} to time_offset_s)", std::abs(clock.offset_s),
+      clock.offset_s > 0 ? "ahead of the images" : "behind the images", -clock.offset_s);
 }
 
 }  // namespace
 
 std::optional<std::string> gyro_inconsistency(const TimeSeries<Vector3d>& gyro,
                                               std::span<const ObservedRotation> observed) {
-  constexpr int kMinPairs = 50;
+  constexpr int kMinPairs = 30;
   constexpr double kMinRate_rad_s = 1 * kDegree;
   constexpr double kConsistentFraction = 0.5, kMinExplainedFraction = 0.6, kMinEnergyRatio = 0.01;
+  constexpr double kMinOffset_s = 0.015, kMinOffsetSigmas = 6;
   const GyroIntegral sum(gyro);
-  const RotationSums measured = rotation_sums(sum, observed, 0);
+  const std::vector<ObservedRotation> intervals = merged(observed);
+  const RotationSums measured = rotation_sums(sum, intervals, 0);
   if (measured.count < kMinPairs) return std::nullopt;
   const double mean_dt_s = measured.time_s / measured.count;
   const double rate_rad_s = std::sqrt(measured.pp / measured.count) / mean_dt_s;
-  const double explained = measured.explained_fraction(Matrix3d::Identity());
-  if (rate_rad_s < kMinRate_rad_s || explained > kConsistentFraction) return std::nullopt;
+  if (rate_rad_s < kMinRate_rad_s) return std::nullopt;
   if (measured.gg < kMinEnergyRatio * measured.pp) {
     return fmt::format("the images rotate at {:.1f} deg/s, the gyroscope measures no rotation",
                        rate_rad_s / kDegree);
   }
-  const Matrix3d axes = best_axes(measured);
-  const Hypothesis degrees{measured.explained_fraction(Matrix3d::Identity(), kDegree),
-                           "a gyroscope in deg/s instead of rad/s"};
-  const Hypothesis rotated_axes{measured.explained_fraction(axes), axes_description(axes)};
-  const Hypothesis clock = clock_offset_hypothesis(sum, observed, kMinPairs);
-  const Hypothesis& best =
-      std::max({degrees, rotated_axes, clock},
-               [](const auto& a, const auto& b) { return a.explained < b.explained; });
+  const ClockOffset clock = clock_offset(sum, intervals, kMinPairs);
+  Hypothesis best{clock.explained, clock_description(clock)};
+  if (measured.explained_fraction(Matrix3d::Identity()) > kConsistentFraction) {
+    const double offset_s = std::abs(clock.offset_s);
+    if (offset_s < kMinOffset_s || offset_s < kMinOffsetSigmas * clock.sigma_s) return std::nullopt;
+  } else {
+    const Matrix3d axes = best_axes(measured);
+    const Hypothesis degrees{measured.explained_fraction(Matrix3d::Identity(), kDegree),
+                             "a gyroscope in deg/s instead of rad/s"};
+    const Hypothesis rotated_axes{measured.explained_fraction(axes), axes_description(axes)};
+    best = std::max({degrees, rotated_axes, best},
+                    [](const auto& a, const auto& b) { return a.explained < b.explained; });
+  }
   if (best.explained < kMinExplainedFraction) return std::nullopt;
   return fmt::format(
       "gyroscope and image rotations disagree; {} would explain {:.0f} % of the image rotation",

@@ -10,13 +10,18 @@
 
 namespace stillkite {
 
-/// Throws InputError if the mean specific force is not within a factor of 3 of gravity (wrong unit,
-/// gravity removed), or if it points down in the body frame (x forward, y left, z up) within 1 s of
-/// `start`, given the initial attitude.
+/// Throws InputError if the mean specific force of a second is not within a factor of 3 of gravity
+/// (wrong unit, gravity removed), or if it points down in the body frame (x forward, y left, z up)
+/// within 1 s of `start`, given the initial attitude.
 void check_specific_forces(const TimeSeries<Vector6d>& imu, const std::string& key,
                            const Eigen::Quaterniond& world_from_body, Timestamp start);
 
-/// One message for each log that covers less than 90 % of the flight between two stamps.
+/// Throws InputError if the rotation of the specific force agrees with the angular rates only if
+/// these are in deg/s.
+void check_rate_unit(const TimeSeries<Vector6d>& imu, const std::string& key);
+
+/// One message for each log that covers less than 90 % of the flight between two stamps, has gaps
+/// in it, or, of an IMU or gyroscope, fewer than 50 readings per second.
 [[nodiscard]] std::vector<std::string> coverage_warnings(const SensorLog& log, Timestamp first,
                                                          Timestamp last);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <string>
+#include <utility>
 
 #include "io/dataset/table_geometry.hpp"
 #include "navigation/navigator.hpp"
@@ -34,7 +35,7 @@ std::optional<Value> value_at(const TimeSeries<Value>& series, Timestamp stamp) 
   if (*after == stamp) return series.values[i];
   if (i == 0) return std::nullopt;
   const double gap_s = seconds_between(series.stamps[i - 1], *after);
-  if (gap_s > kMaxGap_s) return std::nullopt;
+  if (gap_s > series.max_gap_s) return std::nullopt;
   const double ratio = seconds_between(series.stamps[i - 1], stamp) / gap_s;
   return between(series.values[i - 1], series.values[i], ratio);
 }
@@ -71,7 +72,7 @@ std::optional<Eigen::Vector3d> mean_between(const TimeSeries<Eigen::Vector3d>& s
   };
   auto inside = std::upper_bound(series.stamps.begin(), series.stamps.end(), from);
   for (; *inside < to; ++inside) {
-    if (seconds_between(at, *inside) > kMaxGap_s) return std::nullopt;
+    if (seconds_between(at, *inside) > series.max_gap_s) return std::nullopt;
     step_to(*inside, series.values[static_cast<std::size_t>(inside - series.stamps.begin())]);
   }
   step_to(to, *last);
@@ -83,12 +84,16 @@ std::vector<InertialReading> inertial_between(const TimeSeries<Vector6d>& series
   std::vector<InertialReading> readings;
   Timestamp at = from;
   std::optional<Vector6d> value = value_at(series, from);
+  std::optional<Timestamp> after_gap;
   const auto step_to = [&](Timestamp next, const Vector6d& next_value) {
-    if (value && seconds_between(at, next) <= kMaxGap_s) {
+    if (value && seconds_between(at, next) <= series.max_gap_s) {
       const Vector6d mean = 0.5 * (*value + next_value);
       readings.push_back({.stamp = next,
                           .angular_rate_in_body_rad_s = mean.head<3>(),
-                          .specific_force_in_body_m_s2 = mean.tail<3>()});
+                          .specific_force_in_body_m_s2 = mean.tail<3>(),
+                          .valid_from = std::exchange(after_gap, std::nullopt)});
+    } else {
+      after_gap = next;
     }
     at = next;
     value = next_value;
@@ -135,10 +140,29 @@ TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t col
     series.values.push_back(read_row(table));
   }
   if (series.stamps.empty()) throw InputError(file.string() + ": no data row");
+  series.max_gap_s = max_gap_s(series.stamps);
   return series;
 }
 
 }  // namespace
+
+std::optional<double> median_interval_s(const std::vector<Timestamp>& stamps) {
+  if (stamps.size() < 2) return std::nullopt;
+  std::vector<double> intervals_s;
+  intervals_s.reserve(stamps.size() - 1);
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    intervals_s.push_back(seconds_between(stamps[i - 1], stamps[i]));
+  }
+  const auto middle = intervals_s.begin() + std::ssize(intervals_s) / 2;
+  std::nth_element(intervals_s.begin(), middle, intervals_s.end());
+  return *middle;
+}
+
+double max_gap_s(const std::vector<Timestamp>& stamps) {
+  constexpr double kMaxIntervals = 2.5, kMinGap_s = 0.02;
+  const std::optional<double> interval_s = median_interval_s(stamps);
+  return interval_s ? std::clamp(kMaxIntervals * *interval_s, kMinGap_s, kMaxGap_s) : kMaxGap_s;
+}
 
 SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestamp now) {
   return {
@@ -195,7 +219,7 @@ TimeSeries<Vector6d> reject_imu_outliers(const TimeSeries<Vector6d>& imu) {
     const Vector6d jump = value - neighbour;
     return jump.head<3>().norm() > kMaxJump_rad_s || jump.tail<3>().norm() > kMaxJump_m_s2;
   };
-  TimeSeries<Vector6d> out;
+  TimeSeries<Vector6d> out{.stamps = {}, .values = {}, .max_gap_s = imu.max_gap_s};
   const std::size_t n = imu.values.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vector6d& value = imu.values[i];

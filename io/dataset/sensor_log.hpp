@@ -9,17 +9,28 @@
 #include "estimation/verdict.hpp"
 #include "geometry/rigid_transform.hpp"
 #include "geometry/time.hpp"
+#include "io/config/input_config.hpp"
 
 namespace stillkite {
 
 struct SensorReadings;
+
+/// Readings further apart are not interpolated, whatever their rate.
+inline constexpr double kMaxGap_s = 0.5;
 
 /// Sensor readings with ascending time stamps.
 template <typename Value>
 struct TimeSeries {
   std::vector<Timestamp> stamps;
   std::vector<Value> values;
+  double max_gap_s = kMaxGap_s;  ///< readings further apart are not interpolated
 };
+
+/// Interval above which a log has a gap: 2.5 median intervals, at least 20 ms, at most kMaxGap_s.
+[[nodiscard]] double max_gap_s(const std::vector<Timestamp>& stamps);
+
+/// Median interval between readings; nullopt below two readings.
+[[nodiscard]] std::optional<double> median_interval_s(const std::vector<Timestamp>& stamps);
 
 /// Readings of all sensors of a flight except the camera; each series may be empty.
 struct SensorLog {
@@ -30,10 +41,9 @@ struct SensorLog {
   TimeSeries<Vector6d> acceleration;               ///< as SensorReadings::acceleration
   TimeSeries<Vector6d> imu;  ///< angular rate, specific force; as SensorReadings::inertial
   std::size_t rejected_imu_readings = 0;  ///< count of reject_imu_outliers
+  ImuNoiseConfig imu_noise;               ///< of the configuration, else of imu0/sensor.yaml
+  double imu_lever_arm_m = 0;             ///< from the body's origin, by imu0/sensor.yaml
 };
-
-/// Readings further apart are not interpolated.
-inline constexpr double kMaxGap_s = 0.5;
 
 /// A height or attitude reading is held for this long if it cannot be interpolated.
 inline constexpr double kMaxReadingAge_s = 0.05;

@@ -39,6 +39,18 @@ TEST(InertialSteps, LeaveLongGapsOpen) {
   EXPECT_TRUE(steps_of({reading_at(0.99, 1), reading_at(1.2, 1)}).empty());
 }
 
+// Readings missing from 1.02 to 1.07 s.
+TEST(InertialSteps, LeaveGapBetweenReadingsOpen) {
+  InertialReading after = reading_at(1.08, 2);
+  after.valid_from = from_seconds(1.07);
+  const std::vector<InertialStep> steps =
+      steps_of({reading_at(1.02, 1), after, reading_at(1.1, 3)});
+  ASSERT_EQ(steps.size(), 3u);
+  EXPECT_NEAR(steps[0].dt_s, 0.02, 1e-9);
+  EXPECT_NEAR(steps[1].dt_s, 0.01, 1e-9);
+  EXPECT_NEAR(duration_s(steps), 0.05, 1e-9);
+}
+
 TEST(InertialSteps, SkipNonFiniteAndUnorderedReadings) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<InertialStep> steps = steps_of(

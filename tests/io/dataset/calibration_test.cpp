@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "geometry/fields.hpp"
 #include "io/config/config_node.hpp"
 #include "tests/io/temporary_folder.hpp"
 
@@ -107,7 +108,11 @@ TEST(Calibration, ReadsKalibrAndInvertsExtrinsics) {
       1e-12);
   EXPECT_EQ(parse(with(kKalibr, "equidistant", "radtan")).camera.distortion,
             DistortionModel::radial_tangential);
-  EXPECT_EQ(parse(with(kKalibr, "equidistant", "none")).camera.distortion, DistortionModel::none);
+  const std::string coefficients = "[0.01, -0.02, 0.003, -0.004]";
+  const std::string plain = with(kKalibr, "equidistant", "none");
+  EXPECT_EQ(parse(with(plain, coefficients, "[]")).camera.distortion, DistortionModel::none);
+  EXPECT_EQ(parse(with(plain, coefficients, "[0, 0]")).camera.distortion, DistortionModel::none);
+  EXPECT_NE(error_of(plain).find("4 coefficients without a distortion model"), std::string::npos);
 }
 
 TEST(Calibration, ReadsOpencvWithFourFiveAndEightCoefficients) {
@@ -128,6 +133,103 @@ TEST(Calibration, ReadsOpencvWithFourFiveAndEightCoefficients) {
             (std::array<double, 8>{1, 2, 3, 4, 5, 6, 7, 8}));
   const std::string fisheye = with(with(kOpencv, old, "[1, 2, 3, 4]"), "rows: 5", "rows: 4");
   EXPECT_EQ(parse(fisheye + "fisheye_model: 1\n").camera.distortion, DistortionModel::equidistant);
+}
+
+// The x axis of the camera is the y axis of the body, as in kEuroc.
+TEST(Calibration, ReadsTheMountByEveryCommonName) {
+  const Eigen::Vector3d expected(0.1, 0.8, 0.3);
+  const auto tip = [](const std::string& text) -> Eigen::Vector3d {
+    return *parse(text).body_from_camera.value() * Eigen::Vector3d::UnitX();
+  };
+  for (const char* name : {"T_BC", "T_SC", "T_imu_cam", "T_imu_cam0", "body_T_cam0", "body_T_cam",
+                           "imu_T_cam", "T_i_c", "Tbc", "IMU.T_b_c1", "body_from_camera"}) {
+    EXPECT_LT((tip(with(kEuroc, "T_BS", name)) - expected).norm(), 1e-12) << name;
+  }
+  for (const char* name : {"T_cam_imu", "T_CB", "T_CS", "T_cam0_imu", "cam0_T_body", "Tcb"}) {
+    EXPECT_LT((tip(with(kKalibr, "T_cam_imu", name)) - expected).norm(), 1e-12) << name;
+  }
+  const std::string rows = "[[0, -1, 0, 0.1], [1, 0, 0, -0.2], [0, 0, 1, 0.3], [0, 0, 0, 1]]";
+  const std::string flat = "[0, -1, 0, 0.1, 1, 0, 0, -0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]";
+  EXPECT_LT((tip(kOpencv + ("body_T_cam0: " + rows + "\n")) - expected).norm(), 1e-12);
+  EXPECT_LT((tip(kOpencv + ("T_SC: " + flat + "\n")) - expected).norm(), 1e-12);
+  EXPECT_NE(error_of(kOpencv + ("T_SC: " + flat + "\nT_BC: " + flat + "\n")).find("second mount"),
+            std::string::npos);
+}
+
+TEST(Calibration, ReadsKalibrsTimeshift) {
+  EXPECT_FALSE(parse(kKalibr).timeshift_cam_imu_s.has_value());
+  EXPECT_EQ(parse(std::string(kKalibr) + "  timeshift_cam_imu: -0.06\n").timeshift_cam_imu_s,
+            -0.06);
+  EXPECT_NE(error_of(std::string(kKalibr) + "  timeshift_cam_imu: 6e7\n").find("out of range"),
+            std::string::npos);
+}
+
+TEST(Calibration, RejectsUnreadKeysOfMountClockAndLens) {
+  const auto error = [](const std::string& line) { return error_of(kOpencv + line + '\n'); };
+  for (const char* line : {"T_W_C: [1]", "extrinsicRotation: [1, 0, 0]", "R_BC: [1]", "pitch: 30",
+                           "q_BC: [1, 0, 0, 0]", "camera_position: [0, 0, 0]", "body_T_cam1: [1]",
+                           "imu: {T_W_I: [1]}", "cams: [{T_ab: [1]}]"}) {
+    EXPECT_NE(error(line).find("looks like a mount"), std::string::npos) << line << error(line);
+    EXPECT_NE(error(line).find("mount.rotation_wxyz"), std::string::npos) << line;
+  }
+  for (const char* line : {"td: 0.02", "time_offset: -0.01", "image_delay: 0.003"}) {
+    EXPECT_NE(error(line).find("imu.time_offset_s"), std::string::npos) << line << error(line);
+  }
+  EXPECT_NE(error("line_delay: 3e-5").find("navigator.readout_s"), std::string::npos);
+  for (const char* line : {"xi: 1.2", "distortion_parameters: {k1: 0.1}", "Camera.fx: 400",
+                           "model_type: MEI", "thin_prism: [0.1, 0]"}) {
+    EXPECT_NE(error(line).find("looks like a lens"), std::string::npos) << line << error(line);
+  }
+  EXPECT_EQ(error("td: 0.02"),
+            "c.yaml:16:1: td: looks like a clock offset, which is read from timeshift_cam_imu "
+            "(t_imu = t_cam + timeshift); rename it, or remove it and set imu.time_offset_s");
+  EXPECT_EQ(error("td: 0.0\nestimate_td: 0\nxi: 0\nmodel_type: PINHOLE\nnr_of_frames: 30\n"
+                  "avg_reprojection_error: 0.2\nprojection_matrix: [1]\ncamera_name: a"),
+            "accepted");
+  EXPECT_EQ(error_of(kKalibr + std::string("cam1:\n  T_cn_cnm1: [[1]]\n")), "accepted");
+}
+
+TEST(Calibration, AcceptsZerosAfterTheLastCoefficient) {
+  const auto set = [](DistortionModel model, std::vector<double> coefficients) {
+    Camera camera;
+    return set_distortion(camera, model, coefficients) ? std::array<double, 8>{}
+                                                       : camera.coefficients;
+  };
+  const std::vector<double> eight{1, 2, 3, 4, 5, 6, 7, 8};
+  for (const std::size_t n : {8u, 12u, 14u}) {
+    std::vector<double> coefficients = eight;
+    coefficients.resize(n, 0.0);
+    EXPECT_EQ(set(DistortionModel::radial_tangential, coefficients),
+              (std::array<double, 8>{1, 2, 3, 4, 5, 6, 7, 8}));
+    if (n == 8) continue;
+    coefficients.back() = 1e-3;
+    Camera camera;
+    EXPECT_NE(set_distortion(camera, DistortionModel::radial_tangential, coefficients)
+                  .value_or("accepted")
+                  .find("thin prism and tilted sensor"),
+              std::string::npos);
+  }
+}
+
+TEST(Calibration, ReadsOpencvXml) {
+  const TemporaryFolder folder;
+  const auto file = folder.file("c.xml", R"(<?xml version="1.0"?>
+<opencv_storage>
+<calibration_time>"Mon"</calibration_time>
+<image_width>640</image_width>
+<image_height>480</image_height>
+<camera_matrix type_id="opencv-matrix">
+  <rows>3</rows> <cols>3</cols> <dt>d</dt>
+  <data> 5.3e+02 0. 320.5 0. 531. 2.4e+02 0. 0. 1.</data></camera_matrix>
+<distortion_coefficients type_id="opencv-matrix">
+  <rows>5</rows> <cols>1</cols> <dt>d</dt>
+  <data> -2.6e-01 -4.6e-02 1.8e-03 -3.1e-04 2.5e-01</data></distortion_coefficients>
+</opencv_storage>
+)");
+  EXPECT_EQ(read_calibration(file).camera, parse(kOpencv).camera);
+  const auto other = folder.file("o.xml", "<svg><a>1</a></svg>");
+  EXPECT_NE(input_error_of(folder, [&] { (void)read_calibration(other); }).find("o.xml: "),
+            std::string::npos);
 }
 
 TEST(Calibration, ErrorsNameLocationKeyAndRemedy) {

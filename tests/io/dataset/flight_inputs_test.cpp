@@ -137,6 +137,78 @@ TEST_F(Inputs, AlignsBarometerToInitialHeight) {
   EXPECT_NEAR(read().sensors.height_m.values[1], 21, 1e-9);
 }
 
+// Kalibr: t_imu = t_cam + timeshift. A reading stamped 2.06 by an IMU that is 0.06 s ahead was
+// taken at 2.0 of the camera.
+TEST_F(Inputs, SensorLogsAreOnTheClockOfTheImages) {
+  config.calibration.camera.reset();
+  config.imu.path = folder.file("imu.csv", "t [s],wx,wy,wz,ax,ay,az\n2.06,0,0,0,0,0,9.8\n");
+  const auto first_stamp_s = [&](const std::string& timeshift) {
+    config.calibration.path = folder.file("c.yaml", R"(cam0:
+  camera_model: pinhole
+  resolution: [1920, 1080]
+  intrinsics: [1152, 1152, 959.5, 539.5]
+  distortion_model: none
+  timeshift_cam_imu: )" + timeshift);
+    return to_seconds(read().sensors.imu.stamps[0]);
+  };
+  EXPECT_NEAR(first_stamp_s("0.06"), 2.0, 1e-9);
+  EXPECT_NEAR(first_stamp_s("-0.06"), 2.12, 1e-9);
+  config.imu.time_offset_s = 1;  // replaces the timeshift
+  EXPECT_NEAR(first_stamp_s("0.06"), 3.06, 1e-9);
+  EXPECT_NEAR(to_seconds(read().sensors.angular_rate_in_body_rad_s.stamps[0]), 3.06, 1e-9);
+
+  config.imu = {};
+  config.height = {.source = HeightSource::range,
+                   .path = folder.file("h.csv", "t [s],h [m]\n2,10\n"),
+                   .time_offset_s = -0.5};
+  EXPECT_NEAR(to_seconds(read().sensors.height_m.stamps[0]), 1.5, 1e-9);
+}
+
+// Sensor axes: x down, y left, z forward.
+TEST_F(Inputs, SensorLogsAreInTheAxesOfTheBody) {
+  const double r = std::sqrt(0.5);
+  const std::array<double, 4> rotation{r, 0, r, 0};  // 90 deg about y: x to -z, z to x
+  config.imu.path = folder.file("imu0/data.csv", "1,0.1,0.2,0.3,-9.8,0.5,0.6\n");
+  config.imu.rotation_wxyz = rotation;
+  const Vector6d expected = (Vector6d() << 0.3, 0.2, -0.1, 0.6, 0.5, 9.8).finished();
+  EXPECT_LT((read().sensors.imu.values[0] - expected).norm(), 1e-9);
+
+  // the same by imu0/sensor.yaml
+  config.imu.rotation_wxyz.reset();
+  folder.write("imu0/sensor.yaml", R"(sensor_type: imu
+T_BS: {rows: 4, cols: 4, data: [0, 0, 1, 0.1, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1]}
+gyroscope_noise_density: 2e-4
+accelerometer_random_walk: 4e-3
+)");
+  const SensorLog by_file = read().sensors;
+  EXPECT_LT((by_file.imu.values[0] - expected).norm(), 1e-9);
+  EXPECT_DOUBLE_EQ(by_file.imu_lever_arm_m, 0.1);
+  EXPECT_EQ(by_file.imu_noise.gyro_density, 2e-4);
+  EXPECT_EQ(by_file.imu_noise.accel_bias_walk, 4e-3);
+  EXPECT_FALSE(by_file.imu_noise.accel_density.has_value());
+  config.imu.noise.gyro_density = 1e-3;
+  EXPECT_EQ(read().sensors.imu_noise.gyro_density, 1e-3);
+  folder.write("imu0/sensor.yaml", "sensor_type: imu\ntime_offset: 0.01\n");
+  EXPECT_NE(error().find("time_offset: looks like a clock offset"), std::string::npos) << error();
+  folder.write("imu0/sensor.yaml", "sensor_type: camera\nT_BS: 1\n");
+  config.imu.rotation_wxyz = rotation;
+  EXPECT_EQ(error(), "accepted");
+  config.imu.rotation_wxyz = {2, 0, 0, 0};
+  EXPECT_EQ(error(), "imu.rotation_wxyz: the norm is 2, must be 1");
+
+  config.imu = {};
+  config.gyro.path = folder.file("gyro.csv", "1,0.1,0.2,0.3\n");
+  config.gyro.rotation_wxyz = rotation;
+  EXPECT_LT((read().sensors.angular_rate_in_body_rad_s.values[0] - Eigen::Vector3d(0.3, 0.2, -0.1))
+                .norm(),
+            1e-9);
+  // world_from_sensor of a level body is the sensor's rotation
+  config.attitude.path = folder.file("a.csv", "1,0.7071067812,0,0.7071067812,0\n");
+  config.attitude.rotation_wxyz = rotation;
+  EXPECT_LT(angle_between_rad(read().sensors.attitude.values[0], Eigen::Quaterniond::Identity()),
+            1e-9);
+}
+
 TEST_F(Inputs, MaskIsBlackWhereTheSceneIsHidden) {
   EXPECT_EQ(read().mask, nullptr);
   cv::Mat mask(1080, 1920, CV_8UC3, cv::Scalar::all(255));

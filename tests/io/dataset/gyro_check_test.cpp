@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 #include <string_view>
@@ -75,6 +76,44 @@ TEST(GyroCheck, DetectsClockOffset) {
   EXPECT_TRUE(mentions(ahead, "0.80 s ahead")) << message(ahead);
   const Flight behind = flight(-0.8);
   EXPECT_TRUE(mentions(behind, "0.80 s behind")) << message(behind);
+}
+
+TEST(GyroCheck, DetectsClockOffsetOf60Milliseconds) {
+  const Flight ahead = flight(0.06);
+  EXPECT_TRUE(mentions(ahead, "0.06 s ahead of the images (add -0.0")) << message(ahead);
+  const Flight behind = flight(-0.06);
+  EXPECT_TRUE(mentions(behind, "0.06 s behind the images (add +0.0")) << message(behind);
+}
+
+// Noise of a frame is three times its rotation, in both sensors correct; the gyroscope has a bias.
+TEST(GyroCheck, AcceptsCorrectGyroscopeAt240FramesPerSecond) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> error(0, 3e-3);
+    Flight f = flight();
+    f.observed.clear();
+    for (Vector3d& rate : f.gyro.values) rate += Vector3d(0.05, -0.08, 0.03);
+    for (int i = 1; i < 2390; ++i) {
+      f.observed.push_back({from_seconds((i - 1) / 240.0), from_seconds(i / 240.0),
+                            rate_rad_s((i - 0.5) / 240) / 240 +
+                                Vector3d(error(random), error(random), error(random))});
+    }
+    EXPECT_EQ(message(f), "") << seed;
+  }
+}
+
+// Yaw of 0.8 Hz repeats after 1.25 s.
+TEST(GyroCheck, FindsSmallestOffsetOfAPeriodicMotion) {
+  Flight f = flight();
+  for (std::size_t i = 0; i < f.gyro.stamps.size(); ++i) {
+    f.gyro.values[i] = {0, 0, std::cos(1.6 * std::numbers::pi * 0.005 * static_cast<double>(i))};
+    f.gyro.stamps[i].ns += 60'000'000;
+  }
+  for (std::size_t i = 0; i < f.observed.size(); ++i) {
+    const double t_s = 0.04 * (static_cast<double>(i) + 0.5);
+    f.observed[i].rotation_in_body_rad = {0, 0, 0.04 * std::cos(1.6 * std::numbers::pi * t_s)};
+  }
+  EXPECT_TRUE(mentions(f, "add -0.060 to time_offset_s")) << message(f);
 }
 
 TEST(GyroCheck, DetectsGyroscopeWithoutSignal) {

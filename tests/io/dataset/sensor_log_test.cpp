@@ -88,6 +88,47 @@ TEST(SensorLog, ImuReadingsCoverExactlyTheFrameInterval) {
   EXPECT_TRUE(readings_between(log, at_s(1), at_s(1.1)).inertial.empty()) << "gap";
 }
 
+// 200 readings per second without those from 0.1 to 0.55 s.
+TEST(SensorLog, DoesNotInterpolateInAGap) {
+  SensorLog log;
+  for (int i = 0; i <= 200; ++i) {
+    if (i > 20 && i < 110) continue;
+    log.imu.stamps.push_back(at_s(0.005 * i));
+    log.imu.values.push_back(Vector6d::Constant(0.005 * i));
+    log.angular_rate_in_body_rad_s.values.push_back(Eigen::Vector3d::Zero());
+  }
+  log.angular_rate_in_body_rad_s.stamps = log.imu.stamps;
+  log.imu.max_gap_s = log.angular_rate_in_body_rad_s.max_gap_s = max_gap_s(log.imu.stamps);
+  EXPECT_DOUBLE_EQ(log.imu.max_gap_s, 0.02);
+  const auto between = [&](double from_s, double to_s) {
+    return readings_between(log, at_s(from_s), at_s(to_s));
+  };
+  EXPECT_TRUE(between(0.2, 0.3).inertial.empty());
+  EXPECT_FALSE(between(0.2, 0.3).mean_angular_rate_in_body_rad_s.has_value());
+  EXPECT_FALSE(between(0.09, 0.6).mean_angular_rate_in_body_rad_s.has_value());
+  // up to the gap, and from its end
+  EXPECT_EQ(between(0.09, 0.12).inertial.size(), 2u);
+  EXPECT_EQ(between(0.09, 0.12).inertial.back().stamp, at_s(0.1));
+  const std::vector<InertialReading> after = between(0.53, 0.57).inertial;
+  ASSERT_EQ(after.size(), 4u);
+  EXPECT_EQ(after[0].stamp, at_s(0.555));
+  EXPECT_EQ(after[0].valid_from, at_s(0.55));
+  EXPECT_FALSE(after[1].valid_from.has_value());
+  EXPECT_DOUBLE_EQ(after[0].angular_rate_in_body_rad_s.x(), 0.5525);
+}
+
+TEST(SensorLog, MaxGapFollowsTheRate) {
+  const auto every = [](double interval_s) {
+    std::vector<Timestamp> stamps;
+    for (int i = 0; i < 10; ++i) stamps.push_back(at_s(interval_s * i));
+    return max_gap_s(stamps);
+  };
+  EXPECT_DOUBLE_EQ(every(0.001), 0.02);
+  EXPECT_DOUBLE_EQ(every(0.1), 0.25);
+  EXPECT_DOUBLE_EQ(every(1), kMaxGap_s);
+  EXPECT_DOUBLE_EQ(max_gap_s({}), kMaxGap_s);
+}
+
 TEST(SensorLog, InterpolatesAttitudeAtConstantRate) {
   const SensorLog log{
       .attitude = {.stamps = {at_s(0), at_s(0.4)},
