@@ -72,6 +72,23 @@ TEST(TrajectoryFile, RejectsInvalidPoses) {
   EXPECT_EQ(error("0 nan 2 3 0 0 0 1\n"), "a.tum:1: column 2: 'nan' is not a finite number");
 }
 
+TEST(TrajectoryFile, NamesTheUnitOfStampsThatAreNoSeconds) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& stamp) {
+    return input_error_of(
+        folder, [&] { (void)read_trajectory(folder.file("a.tum", stamp + " 1 2 3 0 0 0 1\n")); });
+  };
+  EXPECT_EQ(error("1403636579763555584.000000"),
+            "a.tum:1: time stamp '1403636579763555584.000000' is too large for seconds, but "
+            "plausible as nanoseconds; a file separated by blanks (TUM) has seconds: convert the "
+            "stamps");
+  EXPECT_NE(error("1403636579763555").find("plausible as microseconds"), std::string::npos);
+  EXPECT_NE(error("1403636579763.5").find("plausible as milliseconds"), std::string::npos);
+  EXPECT_NE(error("12345678901").find("milliseconds, microseconds or nanoseconds"),
+            std::string::npos);
+  EXPECT_EQ(error("x"), "a.tum:1: 'x' is not a time stamp");
+}
+
 TEST(TrajectoryFile, ReadsCameraTwists) {
   const TemporaryFolder folder;
   const auto twists =
