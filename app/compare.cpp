@@ -78,7 +78,7 @@ ComparedRun write_run(const std::filesystem::path& folder, const Variant& varian
           .overrides = variant.overrides,
           .estimator = variant.config.estimator,
           .summary = write_run_results(folder, run.config(), run.inputs(), run.estimates(), facts),
-          .errors = run_frame_errors(run.inputs(), run.estimates()),
+          .errors = run_frame_errors(run.inputs(), evaluated_motions(run.estimates())),
           .estimator_s = facts.wall_s};
 }
 

@@ -57,7 +57,7 @@ void EstimatorRun::step(const Frame& frame) {
   PilotStep step = pilot_.step(masked, readings);
   frame_ms_.push_back(std::chrono::duration<float, std::milli>(RunClock::now() - start).count());
   gravity_alignment_ = step.estimate.gravity_alignment;
-  if (!config_.initial.from_truth) step.estimate = gravity_aligned(std::move(step.estimate));
+  if (!starts_from_true_attitude()) step.estimate = gravity_aligned(std::move(step.estimate));
   files_->estimates.add(step.estimate);
   if (files_->commands) files_->commands->add(frame.stamp, step.decision);
   if (files_->overlay) files_->overlay->add(frame, step.estimate, pilot_.flow_vectors());

@@ -39,7 +39,11 @@ class EstimatorRun {
 
   [[nodiscard]] const RunConfig& config() const { return config_; }
   [[nodiscard]] const FlightInputs& inputs() const { return inputs_; }
-  /// In a gravity-aligned world, or in the truth's with initial.from_truth.
+  /// With initial.from_truth, unless the truth has no attitude.
+  [[nodiscard]] bool starts_from_true_attitude() const {
+    return config_.initial.from_truth && inputs_.truth.has_attitude;
+  }
+  /// In a gravity-aligned world, or in the truth's if the run starts from its attitude.
   [[nodiscard]] const std::vector<NavigationEstimate>& estimates() const;
   /// Gravity alignment of the last estimate.
   [[nodiscard]] const std::optional<GravityAlignment>& gravity_alignment() const {

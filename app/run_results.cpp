@@ -49,7 +49,14 @@ void print_final_position(const json& summary, const NavigationEstimate& last) {
 json write_run_results(const std::filesystem::path& folder, const RunConfig& config,
                        const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates,
                        const RunFacts& facts) {
-  const json summary = run_summary(estimates, facts, run_evaluation(inputs, estimates));
+  std::optional<ReferenceError> reference;
+  if (inputs.truth.has_attitude) {
+    reference = reference_error(estimates, inputs.truth.poses, inputs.body_from_camera,
+                                EvaluationOptions{}.tolerance_s);
+  }
+  const json summary = run_summary(
+      estimates, facts,
+      run_evaluation(inputs, config.truth, evaluated_motions(estimates), reference));
   write_file(folder / "summary.json", json_text(summary) + '\n');
   const auto truth = truth_at(inputs, estimates);
   write_report(folder / "report.html",
@@ -83,8 +90,10 @@ void print_run_results(const json& summary, const std::vector<NavigationEstimate
       fmt::print("  position   {} RMSE, drift {} of the path\n",
                  figure(errors["position_rmse_m"], "m"), figure(errors["drift_percent"], "%"));
     }
-    fmt::print("  attitude   {} tilt, {} yaw RMSE\n", figure(errors["tilt_rmse_rad"], "rad"),
-               figure(errors["yaw_rmse_rad"], "rad"));
+    if (errors["tilt_rmse_rad"].is_number()) {
+      fmt::print("  attitude   {} tilt, {} yaw RMSE\n", figure(errors["tilt_rmse_rad"], "rad"),
+                 figure(errors["yaw_rmse_rad"], "rad"));
+    }
     if (const json& reference = errors["reference"]; reference["rotation_median_deg"].is_number()) {
       fmt::print("  from the reference: rotation {}, direction {} (median)\n",
                  figure(reference["rotation_median_deg"], "deg"),

@@ -26,14 +26,14 @@ Messages uncovered_sensors(const EstimatorRun& run) {
   if (run.estimates().empty()) return {};
   const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
   Messages messages = coverage_warnings(run.inputs().sensors, first, last);
-  const std::vector<StampedPose>& truth = run.inputs().truth;
-  if (truth.empty()) return messages;
-  const std::int64_t matched = frames_with_truth(run.inputs(), run.estimates());
+  if (run.inputs().truth.empty()) return messages;
+  const std::int64_t matched = frames_with_truth(run.inputs(), evaluated_motions(run.estimates()));
   if (matched >= kMinEvaluatedFrames) return messages;
+  const RowSpan truth = rows_of(run.inputs().truth);
   messages.push_back(fmt::format(
-      "truth: poses at only {} images, no evaluation; it covers {:.3f} s to {:.3f} s, the images "
-      "{:.3f} s to {:.3f} s; check that both use the same clock",
-      matched, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
+      "truth: rows at only {} images, no evaluation; it covers {:.3f} s to {:.3f} s, the images "
+      "{:.3f} s to {:.3f} s; check that both use the same clock, or set truth.time_offset_s",
+      matched, to_seconds(truth.first), to_seconds(truth.last), to_seconds(first),
       to_seconds(last)));
   return messages;
 }
@@ -69,6 +69,12 @@ Messages input_warnings(const EstimatorRun& run) {
   Messages messages;
   if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
   if (const auto message = no_ground_in_view(run.inputs())) messages.push_back(*message);
+  const GroundTruth& truth = run.inputs().truth;
+  if (!truth.has_attitude && run.config().truth.path) {
+    messages.emplace_back(
+        "truth.path: no attitude (four columns, or the identity in every row), so only positions "
+        "and velocities are evaluated");
+  }
   if (const std::size_t rejected = run.inputs().sensors.rejected_imu_readings; rejected > 0) {
     messages.push_back(fmt::format(
         "imu.path: rejected {} of {} readings: all zero, or outliers to both neighbours", rejected,
@@ -133,7 +139,7 @@ void report_initial_attitude_error(const EstimatorRun& run) {
   if (error_rad < std::max(kMinReported_rad, 3 * run.gravity_alignment()->sigma_rad)) return;
   const EulerAngles estimated =
       to_euler(aligned_from_world * run.inputs().initial.world_from_body.rotation);
-  const bool is_by_truth = run.config().initial.from_truth;
+  const bool is_by_truth = run.starts_from_true_attitude();
   const char* source = is_by_truth                  ? "the truth's first pose"
                        : run.config().attitude.path ? "attitude.path"
                                                     : "initial.roll_deg, initial.pitch_deg";
