@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "app/overlay_video.hpp"
+#include "app/run_record.hpp"
 #include "io/dataset/flight_inputs.hpp"
 #include "io/results/run_recorder.hpp"
-#include "io/results/run_summary.hpp"
 #include "io/video/frame_source.hpp"
 #include "navigation/hover_pilot.hpp"
 
@@ -44,7 +44,7 @@ class EstimatorRun {
     return config_.initial.from_truth && inputs_.truth.has_attitude;
   }
   /// In a gravity-aligned world, or in the truth's if the run starts from its attitude.
-  [[nodiscard]] const std::vector<NavigationEstimate>& estimates() const;
+  [[nodiscard]] const RunRecord& record() const { return record_; }
   /// Gravity alignment of the last estimate.
   [[nodiscard]] const std::optional<GravityAlignment>& gravity_alignment() const {
     return gravity_alignment_;
@@ -62,6 +62,7 @@ class EstimatorRun {
   RunConfig config_;
   FlightInputs inputs_;
   HoverPilot pilot_;
+  RunRecord record_;
   std::optional<Files> files_;
   std::optional<Timestamp> previous_stamp_;
   std::optional<GravityAlignment> gravity_alignment_;

@@ -45,15 +45,4 @@ std::vector<FrameError> run_frame_errors(const FlightInputs& inputs,
   return frame_errors(motions, truth_of(inputs.truth, {}), options_of(inputs));
 }
 
-std::vector<std::optional<RigidTransform>> truth_at(const FlightInputs& inputs,
-                                                    std::span<const NavigationEstimate> estimates) {
-  std::vector<std::optional<RigidTransform>> truth;
-  if (inputs.truth.poses.empty()) return truth;
-  truth.reserve(estimates.size());
-  for (const NavigationEstimate& e : estimates) {
-    truth.push_back(pose_at(inputs.truth.poses, e.stamp, EvaluationOptions{}.tolerance_s));
-  }
-  return truth;
-}
-
 }  // namespace stillkite

@@ -31,8 +31,4 @@ inline constexpr int kMinEvaluatedFrames = 3;
 [[nodiscard]] std::vector<FrameError> run_frame_errors(const FlightInputs& inputs,
                                                        std::span<const EvaluatedMotion> motions);
 
-/// Truth at each estimate; an empty vector without truth.
-[[nodiscard]] std::vector<std::optional<RigidTransform>> truth_at(
-    const FlightInputs& inputs, std::span<const NavigationEstimate> estimates);
-
 }  // namespace stillkite

@@ -13,7 +13,6 @@
 #include "app/run_evaluation.hpp"
 #include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
-#include "io/dataset/gyro_check.hpp"
 #include "io/dataset/sensor_checks.hpp"
 
 namespace stillkite {
@@ -23,11 +22,12 @@ using Messages = std::vector<std::string>;
 
 // One message per sensor log or truth that does not cover the flight.
 Messages uncovered_sensors(const EstimatorRun& run) {
-  if (run.estimates().empty()) return {};
-  const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
+  const RunTally& tally = run.record().tally;
+  if (!tally.last) return {};
+  const Timestamp first = *tally.first_stamp, last = tally.last->stamp;
   Messages messages = coverage_warnings(run.inputs().sensors, first, last);
   if (run.inputs().truth.empty()) return messages;
-  const std::int64_t matched = frames_with_truth(run.inputs(), evaluated_motions(run.estimates()));
+  const std::int64_t matched = frames_with_truth(run.inputs(), run.record().motions);
   if (matched >= kMinEvaluatedFrames) return messages;
   const RowSpan truth = rows_of(run.inputs().truth);
   messages.push_back(fmt::format(
@@ -102,32 +102,13 @@ void report_once(std::span<const EstimatorRun> runs, Messages (*messages_of)(con
 
 // Detected overlays and airframe outside the configured mask.
 Messages static_overlay_warnings(const EstimatorRun& run) {
-  double max_ratio = 0;
-  for (const NavigationEstimate& e : run.estimates()) {
-    max_ratio = std::max(max_ratio, e.masked_ratio);
-  }
-  const double detected = max_ratio - (run.inputs().mask ? run.inputs().mask->masked_ratio() : 0);
+  const double detected = run.record().tally.max_masked_ratio -
+                          (run.inputs().mask ? run.inputs().mask->masked_ratio() : 0);
   if (!(detected > 0)) return {};
   return {fmt::format(
       "{:.2g} % of the image is static (text overlay or airframe in view) and is masked since its "
       "detection; calibration.mask_path masks it from the first frame",
       100 * detected)};
-}
-
-// Rotations between consecutive frames that the reference estimator has measured.
-std::vector<ObservedRotation> measured_rotations(const EstimatorRun& run) {
-  std::vector<ObservedRotation> out;
-  std::optional<Timestamp> previous;
-  for (const NavigationEstimate& estimate : run.estimates()) {
-    if (previous && estimate.reference && estimate.reference->measured_rate_in_camera_rad_s) {
-      out.push_back({*previous, estimate.stamp,
-                     seconds_between(*previous, estimate.stamp) *
-                         (run.inputs().body_from_camera.rotation *
-                          *estimate.reference->measured_rate_in_camera_rad_s)});
-    }
-    previous = estimate.stamp;
-  }
-  return out;
 }
 
 void report_initial_attitude_error(const EstimatorRun& run) {
@@ -159,7 +140,7 @@ void report_input_warnings(std::span<const EstimatorRun> runs) {
 
 void report_inconsistencies(const EstimatorRun& run) {
   if (const auto inconsistency = gyro_inconsistency(run.inputs().sensors.angular_rate_in_body_rad_s,
-                                                    measured_rotations(run))) {
+                                                    run.record().rotations)) {
     fmt::print(stderr, "stillkite: {}: {}\n", run.config().imu.path ? "imu.path" : "gyro.path",
                *inconsistency);
     return;
@@ -177,7 +158,7 @@ void report_outcome(const RunOutcome& outcome, std::span<const EstimatorRun> run
   report_once(runs, static_overlay_warnings);
   if (outcome.failure || interrupted()) {
     fmt::print(stderr, "stillkite: stopped after {} frames; their results are in {}\n",
-               runs.front().estimates().size(), out.string());
+               runs.front().record().tally.frames, out.string());
   }
 }
 
