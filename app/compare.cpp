@@ -77,30 +77,26 @@ ComparedRun write_run(const std::filesystem::path& folder, const Variant& varian
   return {.name = variant.name,
           .overrides = variant.overrides,
           .estimator = variant.config.estimator,
-          .summary = write_run_results(folder, run.config(), run.inputs(), run.estimates(), facts),
-          .errors = run_frame_errors(run.inputs(), run.estimates()),
+          .summary = write_run_results(folder, run.config(), run.inputs(), run.record(), facts),
+          .errors = run_frame_errors(run.inputs(), run.record().motions),
           .estimator_s = facts.wall_s};
 }
 
 void write_page(const std::filesystem::path& file, const CompareArguments& arguments,
                 const std::vector<Variant>& variants, const std::vector<EstimatorRun>& runs,
                 const nlohmann::json& comparison) {
-  std::vector<ComparedEstimates> estimates;
-  estimates.reserve(runs.size());
+  std::vector<ComparedCharts> charts;
+  charts.reserve(runs.size());
   std::string configs;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    estimates.push_back({.name = variants[i].name,
-                         .estimates = runs[i].estimates(),
-                         .frame_ms = runs[i].frame_ms()});
+    charts.push_back({.name = variants[i].name,
+                      .charts = runs[i].record().charts.charts(),
+                      .frame_ms = runs[i].frame_ms()});
     configs += fmt::format("# {}\n{}\n", variants[i].name, print_config(runs[i].config()));
   }
-  const auto truth = truth_at(runs.front().inputs(), runs.front().estimates());
-  write_comparison_report(file,
-                          {.title = arguments.config.string(),
-                           .runs = estimates,
-                           .truth = truth,
-                           .config_yaml = configs},
-                          comparison);
+  write_comparison_report(
+      file, {.title = arguments.config.string(), .runs = std::move(charts), .config_yaml = configs},
+      comparison);
 }
 
 void compare(const CompareArguments& arguments) {

@@ -38,7 +38,8 @@ HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
 EstimatorRun::EstimatorRun(RunConfig config, const Frame& first)
     : inputs_(read_flight_inputs(config, first)),
       config_(effective_run_config(std::move(config), inputs_.initial)),
-      pilot_(make_pilot(config_, inputs_)) {}
+      pilot_(make_pilot(config_, inputs_)),
+      record_(inputs_) {}
 
 void EstimatorRun::write_to(const std::filesystem::path& folder,
                             std::optional<std::int64_t> expected_frames) {
@@ -67,7 +68,8 @@ void EstimatorRun::step(const Frame& frame) {
   PilotStep step = pilot_.step(masked, readings);
   frame_ms_.push_back(std::chrono::duration<float, std::milli>(RunClock::now() - start).count());
   gravity_alignment_ = step.estimate.gravity_alignment;
-  if (!config_.initial.from_truth) step.estimate = gravity_aligned(std::move(step.estimate));
+  if (!starts_from_true_attitude()) step.estimate = gravity_aligned(std::move(step.estimate));
+  record_.add(step.estimate, inputs_);
   files_->estimates.add(step.estimate);
   if (files_->commands) files_->commands->add(frame.stamp, step.decision);
   if (files_->overlay) files_->overlay->add(frame, step.estimate, pilot_.flow_vectors());
@@ -83,10 +85,6 @@ void EstimatorRun::commit() {
   files_->estimates.commit();
   if (files_->commands) files_->commands->commit();
   if (files_->overlay) files_->overlay->commit();
-}
-
-const std::vector<NavigationEstimate>& EstimatorRun::estimates() const {
-  return files_->estimates.estimates();
 }
 
 std::optional<CommandCounts> EstimatorRun::commands() const {

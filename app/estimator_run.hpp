@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "app/overlay_video.hpp"
+#include "app/run_record.hpp"
 #include "io/dataset/flight_inputs.hpp"
 #include "io/results/run_recorder.hpp"
-#include "io/results/run_summary.hpp"
 #include "io/video/frame_source.hpp"
 #include "navigation/hover_pilot.hpp"
 
@@ -40,8 +40,12 @@ class EstimatorRun {
   /// With the navigator's effective configuration.
   [[nodiscard]] const RunConfig& config() const { return config_; }
   [[nodiscard]] const FlightInputs& inputs() const { return inputs_; }
-  /// In a gravity-aligned world, or in the truth's with initial.from_truth.
-  [[nodiscard]] const std::vector<NavigationEstimate>& estimates() const;
+  /// With initial.from_truth, unless the truth has no attitude.
+  [[nodiscard]] bool starts_from_true_attitude() const {
+    return config_.initial.from_truth && inputs_.truth.has_attitude;
+  }
+  /// In a gravity-aligned world, or in the truth's if the run starts from its attitude.
+  [[nodiscard]] const RunRecord& record() const { return record_; }
   /// Gravity alignment of the last estimate.
   [[nodiscard]] const std::optional<GravityAlignment>& gravity_alignment() const {
     return gravity_alignment_;
@@ -59,6 +63,7 @@ class EstimatorRun {
   FlightInputs inputs_;
   RunConfig config_;
   HoverPilot pilot_;
+  RunRecord record_;
   std::optional<Files> files_;
   std::optional<Timestamp> previous_stamp_;
   std::optional<GravityAlignment> gravity_alignment_;

@@ -17,19 +17,15 @@ json axes(const Eigen::Vector3d& value) {
 }
 
 void add_trajectory(json& result, const std::optional<TrajectoryError>& error) {
-  const auto length = [&](double PositionError::*member) {
-    return error && error->position ? json((*error->position).*member) : json();
-  };
-  const auto angle = [&](double TrajectoryError::*member) {
-    return error ? json((*error).*member) : json();
-  };
-  result["position_rmse_m"] = length(&PositionError::rmse_m);
-  result["position_max_m"] = length(&PositionError::max_m);
-  const bool has_end = error && error->position && error->position->end;
-  result["end_error_horizontal_m"] = has_end ? json(error->position->end->horizontal_m) : json();
-  result["end_error_vertical_m"] = has_end ? json(error->position->end->vertical_m) : json();
-  result["tilt_rmse_rad"] = angle(&TrajectoryError::tilt_rmse_rad);
-  result["yaw_rmse_rad"] = angle(&TrajectoryError::yaw_rmse_rad);
+  const PositionError* position = error && error->position ? &*error->position : nullptr;
+  const EndError* end = position && position->end ? &*position->end : nullptr;
+  const AttitudeError* attitude = error && error->attitude ? &*error->attitude : nullptr;
+  result["position_rmse_m"] = position ? json(position->rmse_m) : json();
+  result["position_max_m"] = position ? json(position->max_m) : json();
+  result["end_error_horizontal_m"] = end ? json(end->horizontal_m) : json();
+  result["end_error_vertical_m"] = end ? json(end->vertical_m) : json();
+  result["tilt_rmse_rad"] = attitude ? json(attitude->tilt_rmse_rad) : json();
+  result["yaw_rmse_rad"] = attitude ? json(attitude->yaw_rmse_rad) : json();
 }
 
 void add_vector(json& result, const std::string& name, const std::string& unit,
@@ -48,10 +44,10 @@ json relative_json(const std::optional<RelativeError>& error) {
   return {{"count", error->count},
           {"mean_length_m", error->mean_length_m},
           {"translation_rmse_m", error->translation_rmse_m},
-          {"rotation_rmse_rad", error->rotation_rmse_rad}};
+          {"rotation_rmse_rad", number_or_null(error->rotation_rmse_rad)}};
 }
 
-json consistency_json(const std::optional<Consistency>& consistency) {
+json nees_json(const std::optional<Consistency>& consistency) {
   if (!consistency) return {};
   return {{"mean", consistency->mean},
           {"degrees_of_freedom", consistency->degrees_of_freedom},
@@ -59,6 +55,14 @@ json consistency_json(const std::optional<Consistency>& consistency) {
           {"mean_low", consistency->mean_low},
           {"mean_high", consistency->mean_high},
           {"share_inside", consistency->share_inside}};
+}
+
+json consistency_json(const std::optional<Consistency>& consistency) {
+  if (!consistency) return {};
+  return {{"samples", consistency->samples},
+          {"share_beyond_3_sigma", consistency->share_beyond_3_sigma},
+          {"share_beyond_5_sigma", consistency->share_beyond_5_sigma},
+          {"sigma_over_rms", number_or_null(consistency->sigma_over_rms)}};
 }
 
 // Relative poses to the reference frame; policy flow has none.
@@ -75,21 +79,29 @@ json reference_json(const std::optional<ReferenceError>& error) {
 }  // namespace
 
 json evaluation_json(const Evaluation& evaluation) {
-  json result{{"matched", evaluation.matched}, {"path_length_m", evaluation.path_length_m}};
+  json result{{"matched", evaluation.matched},
+              {"path_length_m", number_or_null(evaluation.path_length_m)}};
   add_trajectory(result, evaluation.trajectory);
   result["drift_percent"] = number_or_null(evaluation.drift_percent);
+  result["position_rmse_percent"] = number_or_null(evaluation.rmse_percent);
   add_vector(result, "velocity", "m_s", evaluation.velocity);
   add_vector(result, "angular_rate", "rad_s", evaluation.angular_rate);
   result["relative"] = {{"per_frame", relative_json(evaluation.per_frame)},
+                        {"per_metre", relative_json(evaluation.per_metre)},
                         {"per_tenth_of_path", relative_json(evaluation.per_tenth)}};
   const ReferenceError reference = evaluation.reference.value_or(ReferenceError{});
   result["reference"] = reference_json(evaluation.reference);
-  result["nees"] = {{"position", consistency_json(evaluation.nees.position)},
-                    {"attitude", consistency_json(evaluation.nees.attitude)},
-                    {"velocity", consistency_json(evaluation.nees.velocity)},
-                    {"angular_rate", consistency_json(evaluation.nees.angular_rate)},
-                    {"reference_rotation", consistency_json(reference.rotation_nees)},
-                    {"reference_direction", consistency_json(reference.direction_nees)}};
+  const auto& [position, attitude, velocity, angular_rate] = evaluation.nees;
+  result["nees"] = {{"position", nees_json(position)},
+                    {"attitude", nees_json(attitude)},
+                    {"velocity", nees_json(velocity)},
+                    {"angular_rate", nees_json(angular_rate)},
+                    {"reference_rotation", nees_json(reference.rotation_nees)},
+                    {"reference_direction", nees_json(reference.direction_nees)}};
+  result["consistency"] = {{"position", consistency_json(position)},
+                           {"attitude", consistency_json(attitude)},
+                           {"velocity", consistency_json(velocity)},
+                           {"angular_rate", consistency_json(angular_rate)}};
   return result;
 }
 

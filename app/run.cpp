@@ -55,12 +55,12 @@ void run(const RunArguments& arguments) {
   report_outcome(outcome, std::span(&estimator, 1), out);
   report_inconsistencies(estimator);
   const nlohmann::json summary =
-      write_run_results(out, estimator.config(), estimator.inputs(), estimator.estimates(), facts);
+      write_run_results(out, estimator.config(), estimator.inputs(), estimator.record(), facts);
   if (outcome.failure) std::rethrow_exception(outcome.failure);
   if (arguments.json) {
     fmt::print("{}\n", json_text(summary));
   } else {
-    print_run_results(summary, estimator.estimates(), out);
+    print_run_results(summary, estimator.record().tally, out);
   }
   if (facts.interrupted) throw Interrupted{};
 }

@@ -14,21 +14,21 @@ namespace stillkite {
 /// Minimum number of frames with truth for an evaluation.
 inline constexpr int kMinEvaluatedFrames = 3;
 
-/// Number of estimates with a truth pose.
+/// Truth for the evaluation, with its own error.
+[[nodiscard]] Truth truth_of(const GroundTruth& truth, const TruthConfig& config);
+
+/// Number of frames with a true pose, or of those with a true velocity if there is no pose.
 [[nodiscard]] std::int64_t frames_with_truth(const FlightInputs& inputs,
-                                             std::span<const NavigationEstimate> estimates);
+                                             std::span<const EvaluatedMotion> motions);
 
 /// `evaluation` of summary.json: errors against the truth without alignment; null with fewer than
-/// kMinEvaluatedFrames truth poses.
-[[nodiscard]] nlohmann::json run_evaluation(const FlightInputs& inputs,
-                                            std::span<const NavigationEstimate> estimates);
+/// kMinEvaluatedFrames frames with truth.
+[[nodiscard]] nlohmann::json run_evaluation(const FlightInputs& inputs, const TruthConfig& config,
+                                            std::span<const EvaluatedMotion> motions,
+                                            const std::optional<ReferenceError>& reference);
 
-/// Errors of each estimate; empty with fewer than kMinEvaluatedFrames truth poses.
-[[nodiscard]] std::vector<FrameError> run_frame_errors(
-    const FlightInputs& inputs, std::span<const NavigationEstimate> estimates);
-
-/// Truth at each estimate; an empty vector without truth.
-[[nodiscard]] std::vector<std::optional<RigidTransform>> truth_at(
-    const FlightInputs& inputs, std::span<const NavigationEstimate> estimates);
+/// Errors of each frame; empty with fewer than kMinEvaluatedFrames frames with truth.
+[[nodiscard]] std::vector<FrameError> run_frame_errors(const FlightInputs& inputs,
+                                                       std::span<const EvaluatedMotion> motions);
 
 }  // namespace stillkite

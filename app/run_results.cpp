@@ -47,22 +47,20 @@ void print_final_position(const json& summary, const NavigationEstimate& last) {
 }  // namespace
 
 json write_run_results(const std::filesystem::path& folder, const RunConfig& config,
-                       const FlightInputs& inputs, const std::vector<NavigationEstimate>& estimates,
-                       const RunFacts& facts) {
-  const json summary = run_summary(estimates, facts, run_evaluation(inputs, estimates));
+                       const FlightInputs& inputs, const RunRecord& record, const RunFacts& facts) {
+  const json summary = run_summary(
+      record.tally, facts,
+      run_evaluation(inputs, config.truth, record.motions, record.reference_errors.error()));
   write_file(folder / "summary.json", json_text(summary) + '\n');
-  const auto truth = truth_at(inputs, estimates);
   write_report(folder / "report.html",
                {.title = config.source.path.string(),
-                .estimates = estimates,
-                .truth = truth,
-                .body_from_camera = inputs.body_from_camera,
+                .charts = record.charts.charts(),
                 .config_yaml = print_config(config)},
                summary);
   return summary;
 }
 
-void print_run_results(const json& summary, const std::vector<NavigationEstimate>& estimates,
+void print_run_results(const json& summary, const RunTally& tally,
                        const std::filesystem::path& folder) {
   const json& frames = summary["frames"];
   const json& timing = summary["timing"];
@@ -75,7 +73,7 @@ void print_run_results(const json& summary, const std::vector<NavigationEstimate
     fmt::print("commands     {} issued, {} held (shadow mode: not executed)\n",
                commands["issued"].dump(), commands["held"].dump());
   }
-  if (!estimates.empty()) print_final_position(summary, estimates.back());
+  if (tally.last) print_final_position(summary, *tally.last);
   if (const json& errors = summary["evaluation"]; !errors.is_null()) {
     fmt::print("against truth: {} stamps, path {}\n", errors["matched"].dump(),
                figure(errors["path_length_m"], "m"));
@@ -83,8 +81,10 @@ void print_run_results(const json& summary, const std::vector<NavigationEstimate
       fmt::print("  position   {} RMSE, drift {} of the path\n",
                  figure(errors["position_rmse_m"], "m"), figure(errors["drift_percent"], "%"));
     }
-    fmt::print("  attitude   {} tilt, {} yaw RMSE\n", figure(errors["tilt_rmse_rad"], "rad"),
-               figure(errors["yaw_rmse_rad"], "rad"));
+    if (errors["tilt_rmse_rad"].is_number()) {
+      fmt::print("  attitude   {} tilt, {} yaw RMSE\n", figure(errors["tilt_rmse_rad"], "rad"),
+                 figure(errors["yaw_rmse_rad"], "rad"));
+    }
     if (const json& reference = errors["reference"]; reference["rotation_median_deg"].is_number()) {
       fmt::print("  from the reference: rotation {}, direction {} (median)\n",
                  figure(reference["rotation_median_deg"], "deg"),

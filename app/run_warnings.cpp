@@ -13,7 +13,6 @@
 #include "app/run_evaluation.hpp"
 #include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
-#include "io/dataset/gyro_check.hpp"
 #include "io/dataset/sensor_checks.hpp"
 
 namespace stillkite {
@@ -23,17 +22,18 @@ using Messages = std::vector<std::string>;
 
 // One message per sensor log or truth that does not cover the flight.
 Messages uncovered_sensors(const EstimatorRun& run) {
-  if (run.estimates().empty()) return {};
-  const Timestamp first = run.estimates().front().stamp, last = run.estimates().back().stamp;
+  const RunTally& tally = run.record().tally;
+  if (!tally.last) return {};
+  const Timestamp first = *tally.first_stamp, last = tally.last->stamp;
   Messages messages = coverage_warnings(run.inputs().sensors, first, last);
-  const std::vector<StampedPose>& truth = run.inputs().truth;
-  if (truth.empty()) return messages;
-  const std::int64_t matched = frames_with_truth(run.inputs(), run.estimates());
+  if (run.inputs().truth.empty()) return messages;
+  const std::int64_t matched = frames_with_truth(run.inputs(), run.record().motions);
   if (matched >= kMinEvaluatedFrames) return messages;
+  const RowSpan truth = rows_of(run.inputs().truth);
   messages.push_back(fmt::format(
-      "truth: poses at only {} images, no evaluation; it covers {:.3f} s to {:.3f} s, the images "
-      "{:.3f} s to {:.3f} s; check that both use the same clock",
-      matched, to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first),
+      "truth: rows at only {} images, no evaluation; it covers {:.3f} s to {:.3f} s, the images "
+      "{:.3f} s to {:.3f} s; check that both use the same clock, or set truth.time_offset_s",
+      matched, to_seconds(truth.first), to_seconds(truth.last), to_seconds(first),
       to_seconds(last)));
   return messages;
 }
@@ -69,6 +69,12 @@ Messages input_warnings(const EstimatorRun& run) {
   Messages messages;
   if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
   if (const auto message = no_ground_in_view(run.inputs())) messages.push_back(*message);
+  const GroundTruth& truth = run.inputs().truth;
+  if (!truth.has_attitude && run.config().truth.path) {
+    messages.emplace_back(
+        "truth.path: no attitude (four columns, or the identity in every row), so only positions "
+        "and velocities are evaluated");
+  }
   if (const std::size_t rejected = run.inputs().sensors.rejected_imu_readings; rejected > 0) {
     messages.push_back(fmt::format(
         "imu.path: rejected {} of {} readings: all zero, or outliers to both neighbours", rejected,
@@ -103,32 +109,13 @@ void report_once(std::span<const EstimatorRun> runs, Messages (*messages_of)(con
 
 // Detected overlays and airframe outside the configured mask.
 Messages static_overlay_warnings(const EstimatorRun& run) {
-  double max_ratio = 0;
-  for (const NavigationEstimate& e : run.estimates()) {
-    max_ratio = std::max(max_ratio, e.masked_ratio);
-  }
-  const double detected = max_ratio - (run.inputs().mask ? run.inputs().mask->masked_ratio() : 0);
+  const double detected = run.record().tally.max_masked_ratio -
+                          (run.inputs().mask ? run.inputs().mask->masked_ratio() : 0);
   if (!(detected > 0)) return {};
   return {fmt::format(
       "{:.2g} % of the image is static (text overlay or airframe in view) and is masked since its "
       "detection; calibration.mask_path masks it from the first frame",
       100 * detected)};
-}
-
-// Rotations between consecutive frames that the reference estimator has measured.
-std::vector<ObservedRotation> measured_rotations(const EstimatorRun& run) {
-  std::vector<ObservedRotation> out;
-  std::optional<Timestamp> previous;
-  for (const NavigationEstimate& estimate : run.estimates()) {
-    if (previous && estimate.reference && estimate.reference->measured_rate_in_camera_rad_s) {
-      out.push_back({*previous, estimate.stamp,
-                     seconds_between(*previous, estimate.stamp) *
-                         (run.inputs().body_from_camera.rotation *
-                          *estimate.reference->measured_rate_in_camera_rad_s)});
-    }
-    previous = estimate.stamp;
-  }
-  return out;
 }
 
 void report_initial_attitude_error(const EstimatorRun& run) {
@@ -140,7 +127,7 @@ void report_initial_attitude_error(const EstimatorRun& run) {
   if (error_rad < std::max(kMinReported_rad, 3 * run.gravity_alignment()->sigma_rad)) return;
   const EulerAngles estimated =
       to_euler(aligned_from_world * run.inputs().initial.world_from_body.rotation);
-  const bool is_by_truth = run.config().initial.from_truth;
+  const bool is_by_truth = run.starts_from_true_attitude();
   const char* source = is_by_truth                  ? "the truth's first pose"
                        : run.config().attitude.path ? "attitude.path"
                                                     : "initial.roll_deg, initial.pitch_deg";
@@ -160,7 +147,7 @@ void report_input_warnings(std::span<const EstimatorRun> runs) {
 
 void report_inconsistencies(const EstimatorRun& run) {
   if (const auto inconsistency = gyro_inconsistency(run.inputs().sensors.angular_rate_in_body_rad_s,
-                                                    measured_rotations(run))) {
+                                                    run.record().rotations)) {
     fmt::print(stderr, "stillkite: {}: {}\n", run.config().imu.path ? "imu.path" : "gyro.path",
                *inconsistency);
     return;
@@ -178,7 +165,7 @@ void report_outcome(const RunOutcome& outcome, std::span<const EstimatorRun> run
   report_once(runs, static_overlay_warnings);
   if (outcome.failure || interrupted()) {
     fmt::print(stderr, "stillkite: stopped after {} frames; their results are in {}\n",
-               runs.front().estimates().size(), out.string());
+               runs.front().record().tally.frames, out.string());
   }
 }
 

@@ -17,22 +17,48 @@ double distance_s(Timestamp a, Timestamp b) {
   return std::abs(seconds_between(a, b));
 }
 
+template <typename Stamped>
+struct Neighbours {
+  const Stamped& before;
+  const Stamped& after;
+  double ratio = 0;  // of the interval, 0 at `before`
+};
+
+// Samples around the stamp; one sample twice at its own stamp and beyond the ends. std::nullopt if
+// the nearer one is more than `tolerance_s` away.
+template <typename Stamped>
+std::optional<Neighbours<Stamped>> neighbours(std::span<const Stamped> samples, Timestamp stamp,
+                                              double tolerance_s) {
+  const auto after = first_not_before(samples, stamp);
+  const bool has_after = after != samples.end();
+  const bool has_before = after != samples.begin();
+  const bool near_after = has_after && distance_s(after->stamp, stamp) <= tolerance_s;
+  const bool near_before = has_before && distance_s(std::prev(after)->stamp, stamp) <= tolerance_s;
+  if (!near_after && !near_before) return std::nullopt;
+  if (!has_after) return Neighbours<Stamped>{*std::prev(after), *std::prev(after)};
+  if (!has_before || after->stamp == stamp) return Neighbours<Stamped>{*after, *after};
+  const Stamped& before = *std::prev(after);
+  return Neighbours<Stamped>{
+      before, *after,
+      seconds_between(before.stamp, stamp) / seconds_between(before.stamp, after->stamp)};
+}
+
 }  // namespace
 
 std::optional<RigidTransform> pose_at(std::span<const StampedPose> poses, Timestamp stamp,
                                       double tolerance_s) {
-  const auto after = first_not_before(poses, stamp);
-  const bool has_after = after != poses.end();
-  const bool has_before = after != poses.begin();
-  const bool near_after = has_after && distance_s(after->stamp, stamp) <= tolerance_s;
-  const bool near_before = has_before && distance_s(std::prev(after)->stamp, stamp) <= tolerance_s;
-  if (!near_after && !near_before) return std::nullopt;
-  if (!has_after) return std::prev(after)->world_from_body;
-  if (!has_before || after->stamp == stamp) return after->world_from_body;
-  const StampedPose& before = *std::prev(after);
-  const double ratio =
-      seconds_between(before.stamp, stamp) / seconds_between(before.stamp, after->stamp);
-  return interpolate(before.world_from_body, after->world_from_body, ratio);
+  const auto at = neighbours(poses, stamp, tolerance_s);
+  if (!at) return std::nullopt;
+  if (at->ratio == 0) return at->before.world_from_body;
+  return interpolate(at->before.world_from_body, at->after.world_from_body, at->ratio);
+}
+
+std::optional<Eigen::Vector3d> velocity_at(std::span<const StampedVelocity> velocities,
+                                           Timestamp stamp, double tolerance_s) {
+  const auto at = neighbours(velocities, stamp, tolerance_s);
+  if (!at) return std::nullopt;
+  const Eigen::Vector3d& before = at->before.velocity_in_world_m_s;
+  return before + at->ratio * (at->after.velocity_in_world_m_s - before);
 }
 
 std::optional<Twist> twist_at(std::span<const StampedTwist> twists, Timestamp stamp,

@@ -5,15 +5,27 @@
 #include <span>
 #include <vector>
 
+#include "estimation/stamped_velocity.hpp"
 #include "estimation/twist.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
 
-/// Ground truth; stamps ascend.
+/// Standard deviation of the truth's own error, per axis.
+struct TruthSigma {
+  double position_m = 0;
+  double attitude_rad = 0;
+  double velocity_m_s = 0;
+  double angular_rate_rad_s = 0;
+};
+
+/// Ground truth; stamps ascend. Each series may be empty.
 struct Truth {
   std::vector<StampedPose> poses;
-  std::vector<StampedTwist> twists_in_camera;  ///< may be empty
+  bool has_attitude = true;  ///< false: only the positions of the poses are known
+  std::vector<StampedTwist> twists_in_camera;
+  std::vector<StampedVelocity> velocities;
+  TruthSigma sigma;
 };
 
 /// Estimated and true pose at one stamp, both world_from_body.
@@ -22,7 +34,8 @@ struct PosePair {
   Timestamp stamp;
   RigidTransform estimate;
   RigidTransform truth;
-  bool is_metric = true;  ///< false: the estimate has no metric scale
+  bool is_metric = true;     ///< false: the estimate has no metric scale
+  bool has_attitude = true;  ///< false: estimate or truth has none; both rotations are equal
 };
 
 /// Pose at the stamp, interpolated between its two neighbours. std::nullopt if the nearer one is
@@ -33,6 +46,10 @@ struct PosePair {
 /// Twist with the nearest stamp; std::nullopt if it is more than `tolerance_s` away.
 [[nodiscard]] std::optional<Twist> twist_at(std::span<const StampedTwist> twists, Timestamp stamp,
                                             double tolerance_s);
+
+/// Velocity interpolated as pose_at.
+[[nodiscard]] std::optional<Eigen::Vector3d> velocity_at(
+    std::span<const StampedVelocity> velocities, Timestamp stamp, double tolerance_s);
 
 /// Estimates with a true pose, in their own order.
 [[nodiscard]] std::vector<PosePair> associate(std::span<const StampedPose> estimates,

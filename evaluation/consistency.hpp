@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace stillkite {
 
@@ -21,10 +22,26 @@ struct Consistency {
   double mean_low = 0;
   double mean_high = 0;
   double share_inside = 0;  ///< share below the 95 % quantile; 0.95 if consistent
+  /// Shares beyond the quantiles of 3 and 5 sigma, probabilities 0.9973 and 1 - 5.7e-7.
+  double share_beyond_3_sigma = 0;
+  double share_beyond_5_sigma = 0;
+  std::optional<double> sigma_over_rms;  ///< median standard deviation / RMS error, both 3-D
 };
 
-/// std::nullopt without samples.
+/// std::nullopt with fewer than two samples.
 [[nodiscard]] std::optional<Consistency> consistency(std::span<const double> nees_samples,
                                                      int degrees_of_freedom);
+
+/// Errors of one quantity with their covariances. Samples without a positive definite covariance
+/// are not counted.
+class NormalizedErrors {
+ public:
+  void add(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance);
+  [[nodiscard]] std::optional<Consistency> consistency() const;
+
+ private:
+  std::vector<double> nees_, sigma_;
+  double squared_error_ = 0;
+};
 
 }  // namespace stillkite

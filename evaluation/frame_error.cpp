@@ -23,19 +23,24 @@ std::vector<FrameError> frame_errors(std::span<const EvaluatedMotion> estimates,
   const std::vector<PosePair> poses = matched_poses(estimates, truth, options.tolerance_s);
   for (const PosePair& pair : poses) {
     FrameError& error = errors[pair.index];
-    figure_of(error, FrameFigure::attitude) =
-        so3_log(pair.estimate.rotation * pair.truth.rotation.conjugate()).norm();
+    if (pair.has_attitude) {
+      figure_of(error, FrameFigure::attitude) =
+          so3_log(pair.estimate.rotation * pair.truth.rotation.conjugate()).norm();
+    }
     if (!pair.is_metric) continue;
     figure_of(error, FrameFigure::position) =
         (pair.estimate.translation - pair.truth.translation).norm();
   }
-  for (const TwistPair& pair : twist_pairs(estimates, poses, truth, options, 1)) {
+  for (const TwistPair& pair : twist_pairs(estimates, poses, truth, options, {})) {
     FrameError& error = errors[pair.index];
-    figure_of(error, FrameFigure::angular_rate) =
-        (pair.estimate.angular_rate_rad_s - pair.truth.angular_rate_rad_s).norm();
-    if (!pair.is_metric) continue;
-    figure_of(error, FrameFigure::velocity) =
-        (pair.estimate.velocity_m_s - pair.truth.velocity_m_s).norm();
+    if (pair.has_angular_rate) {
+      figure_of(error, FrameFigure::angular_rate) =
+          (pair.estimate.angular_rate_rad_s - pair.truth.angular_rate_rad_s).norm();
+    }
+    if (pair.has_velocity) {
+      figure_of(error, FrameFigure::velocity) =
+          (pair.estimate.velocity_m_s - pair.truth.velocity_m_s).norm();
+    }
   }
   return errors;
 }
@@ -48,7 +53,7 @@ std::optional<double> mean_error(std::span<const FrameError> errors, FrameFigure
     sum += *figure_of(error, figure);
     ++count;
   }
-  if (count == 0) return std::nullopt;
+  if (count < 2) return std::nullopt;
   return sum / count;
 }
 

@@ -33,7 +33,7 @@ using FrameError = std::array<std::optional<double>, EnumNames<FrameFigure>::val
                                                    const Truth& truth,
                                                    const EvaluationOptions& options = {});
 
-/// Mean over the frames that have the quantity; std::nullopt without any.
+/// Mean over the frames that have the quantity; std::nullopt with fewer than two.
 [[nodiscard]] std::optional<double> mean_error(std::span<const FrameError> errors,
                                                FrameFigure figure);
 

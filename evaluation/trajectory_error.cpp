@@ -35,17 +35,18 @@ std::optional<RelativeError> relative_error(std::span<const PosePair> pairs, Ste
   const std::vector<double> arc_m = arc_lengths_m(pairs);
   RelativeError result{.count = static_cast<int>(steps.size())};
   const double n = static_cast<double>(steps.size());
+  double squared_rad2 = 0;
   for (const auto& [from, to] : steps) {
     const RigidTransform truth = pairs[from].truth.inverse() * pairs[to].truth;
     const RigidTransform estimate = pairs[from].estimate.inverse() * pairs[to].estimate;
     const RigidTransform error = truth.inverse() * estimate;
     const double angle_rad = so3_log(error.rotation).norm();
     result.translation_rmse_m += error.translation.squaredNorm() / n;
-    result.rotation_rmse_rad += angle_rad * angle_rad / n;
+    squared_rad2 += angle_rad * angle_rad / n;
     result.mean_length_m += (arc_m[to] - arc_m[from]) / n;
   }
   result.translation_rmse_m = std::sqrt(result.translation_rmse_m);
-  result.rotation_rmse_rad = std::sqrt(result.rotation_rmse_rad);
+  if (pairs.front().has_attitude) result.rotation_rmse_rad = std::sqrt(squared_rad2);
   return result;
 }
 
@@ -60,7 +61,7 @@ std::optional<PositionError> position_error(std::span<const PosePair> pairs) {
     result.max_m = std::max(result.max_m, distance_m);
     ++samples;
   }
-  if (samples == 0) return std::nullopt;
+  if (samples < 2) return std::nullopt;
   result.rmse_m = std::sqrt(sum_m2 / samples);
   if (const PosePair& last = pairs.back(); last.is_metric) {
     const Eigen::Vector3d error_m = last.estimate.translation - last.truth.translation;
@@ -69,11 +70,8 @@ std::optional<PositionError> position_error(std::span<const PosePair> pairs) {
   return result;
 }
 
-}  // namespace
-
-std::optional<TrajectoryError> trajectory_error(std::span<const PosePair> pairs) {
-  if (pairs.empty()) return std::nullopt;
-  TrajectoryError result{.position = position_error(pairs)};
+AttitudeError attitude_error(std::span<const PosePair> pairs) {
+  AttitudeError result;
   const double n = static_cast<double>(pairs.size());
   for (const PosePair& pair : pairs) {
     const Eigen::Quaterniond error = pair.estimate.rotation * pair.truth.rotation.conjugate();
@@ -84,6 +82,15 @@ std::optional<TrajectoryError> trajectory_error(std::span<const PosePair> pairs)
   }
   result.tilt_rmse_rad = std::sqrt(result.tilt_rmse_rad);
   result.yaw_rmse_rad = std::sqrt(result.yaw_rmse_rad);
+  return result;
+}
+
+}  // namespace
+
+std::optional<TrajectoryError> trajectory_error(std::span<const PosePair> pairs) {
+  if (pairs.size() < 2) return std::nullopt;
+  TrajectoryError result{.position = position_error(pairs), .attitude = {}};
+  if (pairs.front().has_attitude) result.attitude = attitude_error(pairs);
   return result;
 }
 

@@ -23,7 +23,7 @@ std::optional<double> correlation(const Eigen::ArrayXd& a, const Eigen::ArrayXd&
 std::optional<VectorError> vector_error(std::span<const Eigen::Vector3d> estimate,
                                         std::span<const Eigen::Vector3d> truth) {
   assert(estimate.size() == truth.size());
-  if (estimate.empty()) return std::nullopt;
+  if (estimate.size() < 2) return std::nullopt;
   const auto n = static_cast<Eigen::Index>(estimate.size());
   VectorError result{.samples = static_cast<int>(n)};
   for (Eigen::Index axis = 0; axis < 3; ++axis) {

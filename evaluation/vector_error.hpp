@@ -16,7 +16,7 @@ struct VectorError {
   std::array<std::optional<double>, 3> correlation;
 };
 
-/// Spans of equal length, sample by sample, in the same frame; std::nullopt without samples.
+/// Spans of equal length, sample by sample, in the same frame; std::nullopt with fewer than two.
 [[nodiscard]] std::optional<VectorError> vector_error(std::span<const Eigen::Vector3d> estimate,
                                                       std::span<const Eigen::Vector3d> truth);
 

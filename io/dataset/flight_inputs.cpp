@@ -2,11 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <utility>
-
 #include "io/dataset/flight_camera.hpp"
 #include "io/dataset/flight_sensors.hpp"
-#include "io/dataset/ground_truth.hpp"
 #include "io/dataset/initial_state.hpp"
 #include "io/dataset/mask_file.hpp"
 #include "io/dataset/trajectory_file.hpp"
@@ -20,9 +17,7 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
   FlightInputs inputs{.camera = calibration.camera,
                       .body_from_camera = mount_of(config.mount, calibration),
                       .mask = mask};
-  GroundTruth truth = read_ground_truth(config.truth, dataset);
-  inputs.truth = std::move(truth.poses);
-  inputs.twists_in_camera = std::move(truth.twists_in_camera);
+  inputs.truth = read_ground_truth(config.truth, dataset);
   inputs.sensors = read_sensors(config, calibration.timeshift_cam_imu_s);
   inputs.initial = initial_state(config, inputs.truth, inputs.sensors, first.stamp);
   reconcile_with_initial_state(config, inputs.initial, first.stamp, inputs.sensors);
@@ -41,7 +36,9 @@ std::vector<std::filesystem::path> named_files(const RunConfig& config) {
   for (const auto& path :
        {config.calibration.path, config.calibration.mask_path, config.height.path, config.gyro.path,
         config.imu.path, config.attitude.path, config.acceleration.path,
-        config.truth.path ? find_trajectory(*config.truth.path) : std::nullopt}) {
+        config.truth.path ? find_trajectory(*config.truth.path) : std::nullopt,
+        config.truth.positions ? find_trajectory(*config.truth.positions) : std::nullopt,
+        config.truth.velocity}) {
     if (path) files.push_back(*path);
   }
   return files;

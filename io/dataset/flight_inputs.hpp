@@ -8,6 +8,7 @@
 #include "flow/image_mask.hpp"
 #include "geometry/camera.hpp"
 #include "io/config/run_config.hpp"
+#include "io/dataset/ground_truth.hpp"
 #include "io/dataset/sensor_log.hpp"
 #include "navigation/navigator.hpp"
 
@@ -20,8 +21,7 @@ struct FlightInputs {
   std::shared_ptr<const ImageMask> mask;  ///< null: no mask
   InitialState initial;
   SensorLog sensors;
-  std::vector<StampedPose> truth;  ///< world_from_body, ground at z = 0; empty without truth
-  std::vector<StampedTwist> twists_in_camera;  ///< of the truth, camera frame; may be empty
+  GroundTruth truth;
 };
 
 /// Reads the files of the configuration. Throws InputError on an invalid file, a missing

@@ -1,13 +1,22 @@
 #include "io/dataset/ground_truth.hpp"
 
-#include <filesystem>
+#include <fmt/core.h>
+
+#include <utility>
 
 #include "io/dataset/trajectory_file.hpp"
 
 namespace stillkite {
+namespace {
 
-GroundTruth read_ground_truth(const TruthConfig& config,
-                              const std::optional<EurocDataset>& dataset) {
+// Poses of the configuration, else of the data set.
+GroundTruth read_poses(const TruthConfig& config, const std::optional<EurocDataset>& dataset) {
+  if (config.path && config.positions) {
+    throw InputError("truth.path and truth.positions are both set; keep one");
+  }
+  if (config.positions) {
+    return {.poses = read_positions(*config.positions), .has_attitude = false};
+  }
   std::optional<std::filesystem::path> file;
   if (config.path) {
     file = find_trajectory(*config.path);
@@ -15,14 +24,55 @@ GroundTruth read_ground_truth(const TruthConfig& config,
     file = dataset->truth;
   }
   if (!file) return {};
-  GroundTruth truth{.poses = read_trajectory(*file), .twists_in_camera = {}};
-  for (StampedPose& pose : truth.poses) {
-    pose.world_from_body.translation.z() -= config.ground_z_m;
-  }
+  GroundTruth truth{.poses = read_trajectory(*file)};
+  truth.has_attitude = has_attitude(truth.poses);
   if (dataset && dataset->camera_twists && file == dataset->truth) {
     truth.twists_in_camera = read_twists(*dataset->camera_twists);
   }
   return truth;
+}
+
+}  // namespace
+
+RowSpan rows_of(const GroundTruth& truth) {
+  if (!truth.poses.empty()) return row_span(truth.poses);
+  if (!truth.velocities.empty()) return row_span(truth.velocities);
+  return row_span(truth.twists_in_camera);
+}
+
+GroundTruth with_velocities(GroundTruth truth, const std::filesystem::path& file) {
+  constexpr std::size_t kInWorld = 4, kInCamera = 7;
+  const std::size_t columns = count_columns(file);
+  truth.twists_in_camera.clear();
+  if (columns == kInWorld) {
+    truth.velocities = read_velocities(file);
+  } else if (columns == kInCamera) {
+    truth.twists_in_camera = read_twists(file);
+  } else {
+    throw InputError(fmt::format(
+        "{}: {} columns; expected 4 (t, velocity in the world) or 7 (t, velocity and angular rate "
+        "in the camera), separated by commas",
+        file.string(), columns));
+  }
+  return truth;
+}
+
+GroundTruth with_time_offset(GroundTruth truth, double offset_s) {
+  const std::int64_t offset_ns = from_seconds(offset_s).ns;
+  for (StampedPose& pose : truth.poses) pose.stamp.ns += offset_ns;
+  for (StampedTwist& twist : truth.twists_in_camera) twist.stamp.ns += offset_ns;
+  for (StampedVelocity& velocity : truth.velocities) velocity.stamp.ns += offset_ns;
+  return truth;
+}
+
+GroundTruth read_ground_truth(const TruthConfig& config,
+                              const std::optional<EurocDataset>& dataset) {
+  GroundTruth truth = read_poses(config, dataset);
+  for (StampedPose& pose : truth.poses) {
+    pose.world_from_body.translation.z() -= config.ground_z_m;
+  }
+  if (config.velocity) truth = with_velocities(std::move(truth), *config.velocity);
+  return with_time_offset(std::move(truth), config.time_offset_s);
 }
 
 }  // namespace stillkite

@@ -34,8 +34,13 @@ InitialState initial_state_from_truth(const std::vector<StampedPose>& truth, Tim
 
 }  // namespace
 
-InitialState initial_state(const RunConfig& config, const std::vector<StampedPose>& truth,
+InitialState initial_state(const RunConfig& config, const GroundTruth& truth,
                            const SensorLog& sensors, Timestamp first) {
+  const SensorReadings readings = readings_between(sensors, first, first);
+  const Eigen::Quaterniond attitude =
+      readings.attitude.value_or(to_quaternion({.yaw_rad = config.initial.yaw_deg * kDegree,
+                                                .pitch_rad = config.initial.pitch_deg * kDegree,
+                                                .roll_rad = config.initial.roll_deg * kDegree}));
   if (config.initial.from_truth) {
     if (config.initial.height_m) {
       throw InputError(
@@ -43,14 +48,12 @@ InitialState initial_state(const RunConfig& config, const std::vector<StampedPos
           "(initial.from_truth=false "
           "uses the height)");
     }
-    return initial_state_from_truth(truth, first);
+    InitialState initial = initial_state_from_truth(truth.poses, first);
+    if (!truth.has_attitude) initial.world_from_body.rotation = attitude;
+    return initial;
   }
-  const SensorReadings readings = readings_between(sensors, first, first);
   InitialState initial;
-  initial.world_from_body.rotation =
-      readings.attitude.value_or(to_quaternion({.yaw_rad = config.initial.yaw_deg * kDegree,
-                                                .pitch_rad = config.initial.pitch_deg * kDegree,
-                                                .roll_rad = config.initial.roll_deg * kDegree}));
+  initial.world_from_body.rotation = attitude;
   initial.world_from_body.translation.z() = 1.0;
   if (config.initial.height_m) {
     initial.world_from_body.translation.z() = *config.initial.height_m;

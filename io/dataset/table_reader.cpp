@@ -36,6 +36,20 @@ std::string abbreviated(std::string_view cell) {
   return cell.size() <= kMax ? std::string(cell) : std::string(cell.substr(0, kMax)) + "...";
 }
 
+// Unit of a stamp since 1970 by its digits: seconds have 10.
+std::string_view unit_of_large_stamp(std::string_view cell) {
+  switch (cell.substr(0, cell.find('.')).size()) {
+    case 13:
+      return "milliseconds";
+    case 16:
+      return "microseconds";
+    case 19:
+      return "nanoseconds";
+    default:
+      return "milliseconds, microseconds or nanoseconds";
+  }
+}
+
 }  // namespace
 
 TableReader::TableReader(const std::filesystem::path& file, Separator separator,
@@ -83,7 +97,7 @@ bool TableReader::next() {
 
 Timestamp TableReader::stamp() {
   const std::optional<Timestamp> stamp = parse_stamp(cells_[0], unit_exponent_);
-  if (!stamp) reject(fmt::format("'{}' is not a time stamp", abbreviated(cells_[0])));
+  if (!stamp) reject(stamp_problem());
   const std::size_t point = cells_[0].find('.');
   if (unit_exponent_ == 0 && point != std::string_view::npos &&
       cells_[0].find_first_not_of('0', point + 1) != std::string_view::npos) {
@@ -176,6 +190,19 @@ void TableReader::split(std::string_view line) {
     line.remove_prefix(end);
   }
   if (cells_.empty()) cells_.emplace_back();
+}
+
+std::string TableReader::stamp_problem() const {
+  const std::string cell = abbreviated(cells_[0]);
+  constexpr int kNanosecond = 0, kSecond = 9;
+  if (unit_exponent_ != kSecond || !parse_stamp(cells_[0], kNanosecond)) {
+    return fmt::format("'{}' is not a time stamp", cell);
+  }
+  return fmt::format("time stamp '{}' is too large for seconds, but plausible as {}; {}", cell,
+                     unit_of_large_stamp(cells_[0]),
+                     separator_ == Separator::blank
+                         ? "a file separated by blanks (TUM) has seconds: convert the stamps"
+                         : "name their unit in the header: [ms], [us] or [ns]");
 }
 
 std::string TableReader::column_name(std::size_t column) const {

@@ -49,6 +49,7 @@ class TableReader {
   void check_units() const;
   void split(std::string_view line);
   [[nodiscard]] std::string column_name(std::size_t column) const;
+  [[nodiscard]] std::string stamp_problem() const;
 
   std::string file_;
   std::string content_;

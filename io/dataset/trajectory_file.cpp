@@ -4,6 +4,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <sstream>
+
 #include "io/dataset/table_geometry.hpp"
 #include "io/text_file.hpp"
 
@@ -11,18 +16,59 @@ namespace stillkite {
 namespace fs = std::filesystem;
 namespace {
 
+struct Layout {
+  Separator separator = Separator::blank;
+  std::size_t columns = 0;  // of the first row; 0 without one
+};
+
+std::size_t count_cells(std::string_view line, Separator separator) {
+  if (separator == Separator::comma) return std::ranges::count(line, ',') + std::size_t{1};
+  std::istringstream words{std::string(line)};
+  return std::distance(std::istream_iterator<std::string>(words), {});
+}
+
 // Separator of the first line that is not a comment.
-Separator separator_of(const fs::path& file) {
-  const std::string text = read_text_file(file);
-  std::size_t at = 0;
-  while (at < text.size()) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::string_view line(text.data() + at, end - at);
-    at = end + 1;
+Layout layout_of(const fs::path& file) {
+  std::istringstream text(read_text_file(file));
+  std::optional<Layout> layout;
+  for (std::string line; std::getline(text, line);) {
     if (line.empty() || line[0] == '#' || line[0] == '\r') continue;
-    return line.find(',') != std::string_view::npos ? Separator::comma : Separator::blank;
+    const bool is_first = !layout;
+    if (is_first) {
+      layout.emplace().separator =
+          line.find(',') != std::string::npos ? Separator::comma : Separator::blank;
+    }
+    const bool is_header = std::isalpha(static_cast<unsigned char>(line[0])) != 0;
+    if (is_header && is_first) continue;
+    layout->columns = count_cells(line, layout->separator);
+    break;
   }
-  throw InputError(file.string() + ": no data row");
+  if (!layout) throw InputError(file.string() + ": no data row");
+  return *layout;
+}
+
+fs::path trajectory_of(const fs::path& path) {
+  std::optional<fs::path> file = find_trajectory(path);
+  if (file) return *file;
+  throw InputError(path.string() +
+                   ": no trajectory in this folder; expected data.csv (EuRoC) or "
+                   "trajectory.tum");
+}
+
+std::vector<StampedPose> read_poses(const fs::path& file, Separator separator, bool with_attitude) {
+  TableReader table(file, separator, with_attitude ? 8 : 4, std::vector(3, Unit::metre));
+  std::vector<StampedPose> poses;
+  while (table.next()) {
+    const Timestamp stamp = table.stamp();
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+    if (with_attitude) {
+      rotation =
+          separator == Separator::comma ? quaternion_at(table, 4, 5) : quaternion_at(table, 7, 4);
+    }
+    poses.push_back({stamp, {rotation, vector_at(table, 1)}});
+  }
+  if (poses.empty()) throw InputError(file.string() + ": no data row");
+  return poses;
 }
 
 }  // namespace
@@ -45,23 +91,21 @@ std::optional<fs::path> find_trajectory(const fs::path& path) {
 }
 
 std::vector<StampedPose> read_trajectory(const fs::path& path) {
-  const std::optional<fs::path> file = find_trajectory(path);
-  if (!file) {
-    throw InputError(path.string() +
-                     ": no trajectory in this folder; expected data.csv (EuRoC) or "
-                     "trajectory.tum");
-  }
-  const Separator separator = separator_of(*file);
-  TableReader table(*file, separator, 8, std::vector(3, Unit::metre));
-  std::vector<StampedPose> poses;
-  while (table.next()) {
-    const Timestamp stamp = table.stamp();
-    const Eigen::Quaterniond rotation =
-        separator == Separator::comma ? quaternion_at(table, 4, 5) : quaternion_at(table, 7, 4);
-    poses.push_back({stamp, {rotation, vector_at(table, 1)}});
-  }
-  if (poses.empty()) throw InputError(file->string() + ": no data row");
-  return poses;
+  const fs::path file = trajectory_of(path);
+  const Layout layout = layout_of(file);
+  return read_poses(file, layout.separator, layout.columns != 4);
+}
+
+std::vector<StampedPose> read_positions(const fs::path& path) {
+  const fs::path file = trajectory_of(path);
+  return read_poses(file, layout_of(file).separator, false);
+}
+
+bool has_attitude(std::span<const StampedPose> poses) {
+  const auto is_identity = [](const StampedPose& pose) {
+    return pose.world_from_body.rotation.vec().isZero(0);
+  };
+  return poses.size() < 2 || !std::ranges::all_of(poses, is_identity);
 }
 
 std::vector<StampedTwist> read_twists(const fs::path& file) {
@@ -73,6 +117,20 @@ std::vector<StampedTwist> read_twists(const fs::path& file) {
     twists.push_back({stamp, {vector_at(table, 1), vector_at(table, 4)}});
   }
   return twists;
+}
+
+std::vector<StampedVelocity> read_velocities(const fs::path& file) {
+  TableReader table(file, Separator::comma, 4, std::vector(3, Unit::metre_per_s));
+  std::vector<StampedVelocity> velocities;
+  while (table.next()) {
+    const Timestamp stamp = table.stamp();
+    velocities.push_back({stamp, vector_at(table, 1)});
+  }
+  return velocities;
+}
+
+std::size_t count_columns(const fs::path& file) {
+  return layout_of(file).columns;
 }
 
 std::string tum_line(const StampedPose& pose) {

@@ -1,7 +1,6 @@
 #include "io/report/comparison_report.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -9,7 +8,6 @@
 #include "io/report/base64.hpp"
 #include "io/report/decimation.hpp"
 #include "io/report/report_page.hpp"
-#include "io/report/report_series.hpp"
 #include "io/results/output_file.hpp"
 
 namespace stillkite {
@@ -18,85 +16,98 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMaxComparedSamples = 3000;
+/// Samples of a path whose columns are decimated.
+constexpr std::size_t kMaxPathSamples = 2000;
 
-/// Norms of vectors in three columns.
-std::vector<float> norms_of(const ReportSeries& series, const std::string& name,
-                            const std::string& unit) {
-  const std::vector<float>& x = series.at(name + "_x_" + unit);
-  const std::vector<float>& y = series.at(name + "_y_" + unit);
-  const std::vector<float>& z = series.at(name + "_z_" + unit);
-  std::vector<float> norms(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) norms[i] = std::hypot(x[i], y[i], z[i]);
-  return norms;
+/// The common frames of a column; a run that has failed has one frame less.
+std::span<const float> common(const std::vector<float>& values, std::size_t frames) {
+  return std::span(values).first(values.size() <= kMaxComparedSamples ? frames : values.size());
 }
 
 json drawn(std::span<const float> values) {
   return base64(keep_extremes(values, kMaxComparedSamples));
 }
 
-json path_of(const ReportSeries& series, const std::string& name) {
-  const auto thinned = [&](const char* axis) {
-    return base64(keep_every_nth(series.at(name + axis), kMaxComparedSamples));
-  };
-  return {{"x", thinned("_x_m")}, {"y", thinned("_y_m")}};
-}
+class RunCharts {
+ public:
+  RunCharts(const FlightCharts& charts, std::size_t frames) : charts_(charts), frames_(frames) {}
 
-json true_columns(const ReportSeries& series) {
-  json columns{{"speed_m_s", drawn(norms_of(series, "velocity_true", "m_s"))}};
-  for (const char* axis : {"x", "y", "z"}) {
-    columns[std::string("position_") + axis + "_m"] =
-        drawn(series.at(std::string("position_true_") + axis + "_m"));
+  [[nodiscard]] json column(const char* name) const { return drawn_of(charts_.columns, name); }
+  [[nodiscard]] json norm(const char* name) const { return drawn_of(charts_.norms, name); }
+  [[nodiscard]] json path(const char* name) const {
+    const std::vector<float>& values = charts_.path.at(name);
+    const bool is_whole = values.size() == charts_.frames;
+    return base64(keep_every_nth(is_whole ? std::span(values).first(frames_) : std::span(values),
+                                 is_whole ? kMaxComparedSamples : kMaxPathSamples));
   }
-  return columns;
+
+ private:
+  [[nodiscard]] json drawn_of(const ReportSeries& series, const char* name) const {
+    return drawn(common(series.at(name), frames_));
+  }
+
+  const FlightCharts& charts_;
+  std::size_t frames_;
+};
+
+json true_columns(const RunCharts& charts) {
+  return {{"speed_m_s", charts.norm("speed_true_m_s")},
+          {"position_x_m", charts.column("position_true_x_m")},
+          {"position_y_m", charts.column("position_true_y_m")},
+          {"position_z_m", charts.column("position_true_z_m")}};
 }
 
-json run_columns(const ReportSeries& series, bool has_lengths, bool has_truth, bool is_metric) {
+json run_columns(const RunCharts& charts, bool has_lengths, bool has_truth, bool is_metric) {
   json columns = json::object();
   if (has_lengths) {
-    columns["speed_m_s"] = drawn(norms_of(series, "velocity", "m_s"));
+    columns["speed_m_s"] = charts.norm("speed_m_s");
     for (const char* axis : {"position_x_m", "position_y_m", "position_z_m"}) {
-      columns[axis] = drawn(series.at(axis));
+      columns[axis] = charts.column(axis);
     }
   }
   if (!has_truth) return columns;
-  columns["attitude_error_deg"] = drawn(norms_of(series, "attitude_error", "deg"));
+  columns["attitude_error_deg"] = charts.norm("attitude_error_deg");
   if (!is_metric) return columns;
-  columns["position_error_m"] = drawn(norms_of(series, "position_error", "m"));
-  columns["velocity_error_m_s"] = drawn(norms_of(series, "velocity_error", "m_s"));
+  columns["position_error_m"] = charts.norm("position_error_m");
+  columns["velocity_error_m_s"] = charts.norm("velocity_error_m_s");
   return columns;
 }
 
 json comparison_data(const ComparisonReportContent& content, const json& comparison) {
   std::size_t frames = std::numeric_limits<std::size_t>::max();
   bool any_metric = false;
-  for (const ComparedEstimates& run : content.runs) {
-    frames = std::min({frames, run.estimates.size(), run.frame_ms.size()});
-    any_metric = any_metric || is_in_metres(run.estimates);
+  for (const ComparedCharts& run : content.runs) {
+    frames = std::min({frames, run.charts.frames, run.frame_ms.size()});
+    any_metric = any_metric || run.charts.is_metric;
   }
   if (content.runs.empty()) frames = 0;
-  const auto truth = content.truth.first(std::min(frames, content.truth.size()));
+  const bool has_truth = frames > 0 && content.runs.front().charts.has_truth;
   json data{{"length_unit", any_metric ? "m" : "heights"},
-            {"has_truth", !truth.empty()},
+            {"has_truth", has_truth},
             {"decimated", frames > kMaxComparedSamples},
             {"runs", json::array()},
             {"summary", comparison}};
-  for (const ComparedEstimates& run : content.runs) {
-    const auto estimates = run.estimates.first(frames);
+  for (const ComparedCharts& run : content.runs) {
     if (frames == 0) break;
-    const ReportSeries series = report_series({.estimates = estimates, .truth = truth});
-    const bool is_metric = is_in_metres(run.estimates);
+    const RunCharts charts(run.charts, frames);
+    const bool is_metric = run.charts.is_metric;
     const bool has_lengths = is_metric || !any_metric;
     json of_run{{"name", run.name},
                 {"is_metric", is_metric},
-                {"verdicts", verdict_intervals_json(estimates)},
-                {"columns", run_columns(series, has_lengths, !truth.empty(), is_metric)}};
+                {"verdicts", verdict_intervals_json(run.charts)},
+                {"columns", run_columns(charts, has_lengths, has_truth, is_metric)}};
     of_run["columns"]["frame_ms"] = drawn(run.frame_ms.first(frames));
-    if (has_lengths) of_run["path"] = path_of(series, "position");
+    if (has_lengths) {
+      of_run["path"] = {{"x", charts.path("position_x_m")}, {"y", charts.path("position_y_m")}};
+    }
     data["runs"].push_back(std::move(of_run));
-    data["time_s"] = drawn(series.at("time_s"));
-    data["path_time_s"] = base64(keep_every_nth(series.at("time_s"), kMaxComparedSamples));
-    if (truth.empty() || !is_metric) continue;
-    data["truth"] = {{"columns", true_columns(series)}, {"path", path_of(series, "position_true")}};
+    data["time_s"] = charts.column("time_s");
+    data["path_time_s"] = charts.path("time_s");
+    if (!has_truth || !is_metric) continue;
+    data["truth"] = {
+        {"columns", true_columns(charts)},
+        {"path",
+         {{"x", charts.path("position_true_x_m")}, {"y", charts.path("position_true_y_m")}}}};
   }
   return data;
 }

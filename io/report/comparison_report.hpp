@@ -2,28 +2,25 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "geometry/rigid_transform.hpp"
-#include "navigation/navigation_estimate.hpp"
+#include "io/report/report_series.hpp"
 
 namespace stillkite {
 
-/// Estimates of one estimator on the common frames.
-struct ComparedEstimates {
+/// Charts of one estimator on the common frames.
+struct ComparedCharts {
   std::string name;
-  std::span<const NavigationEstimate> estimates;
-  std::span<const float> frame_ms;  ///< one per estimate
+  FlightCharts charts;
+  std::span<const float> frame_ms;  ///< one per frame
 };
 
 /// Content of a comparison report. Runs are cut to the shortest.
 struct ComparisonReportContent {
   std::string title;  ///< configuration file as given by the user
-  std::span<const ComparedEstimates> runs;
-  std::span<const std::optional<RigidTransform>>
-      truth;                ///< world_from_body; empty, or one per frame
+  std::vector<ComparedCharts> runs;
   std::string config_yaml;  ///< effective configurations
 };
 

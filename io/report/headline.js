@@ -51,8 +51,12 @@ function drawErrorTable() {
   if (nees.length) {
     byId('error_table').append(
       element('h3', {textContent: 'Covariance consistency (NEES)'}),
-      table(['', 'mean', 'expected', 'within 95 % interval'],
-            nees.map(([name, value]) => [name.replaceAll('_', ' '), value.mean, value.degrees_of_freedom,
-                                         `${shown(100 * value.share_inside, 3)} %`])));
+      table(['', 'mean', 'expected', 'within 95 % interval', 'beyond 3σ', 'beyond 5σ', 'σ / RMS error'],
+            nees.map(([name, value]) => {
+              const {share_beyond_3_sigma, share_beyond_5_sigma, sigma_over_rms} = (evaluation.consistency || {})[name] || {};
+              return [name.replaceAll('_', ' '), value.mean, value.degrees_of_freedom,
+                      ...[value.share_inside, share_beyond_3_sigma, share_beyond_5_sigma].map(
+                        share => share === undefined ? '–' : `${shown(100 * share, 3)} %`), sigma_over_rms];
+            })));
   }
 }

@@ -6,7 +6,6 @@
 #include "io/report/base64.hpp"
 #include "io/report/decimation.hpp"
 #include "io/report/report_page.hpp"
-#include "io/report/report_series.hpp"
 #include "io/results/output_file.hpp"
 
 namespace stillkite {
@@ -28,24 +27,19 @@ json columns(const ReportSeries& series) {
 /// Horizontal path, decimated by frames so that x and y of a sample belong together.
 json path(const ReportSeries& series) {
   json result = json::object();
-  for (const char* name :
-       {"time_s", "position_x_m", "position_y_m", "position_true_x_m", "position_true_y_m"}) {
-    const auto column = series.find(name);
-    if (column != series.end()) {
-      result[name] = base64(keep_every_nth(column->second, kMaxSamples));
-    }
+  for (const auto& [name, values] : series) {
+    result[name] = base64(keep_every_nth(values, kMaxSamples));
   }
   return result;
 }
 
-json report_data(const ReportContent& content, const json& summary) {
-  const ReportSeries series = report_series(content);
-  return {{"columns", columns(series)},
-          {"path", path(series)},
-          {"verdicts", verdict_intervals_json(content.estimates)},
-          {"length_unit", is_in_metres(content.estimates) ? "m" : "heights"},
-          {"has_truth", !content.truth.empty()},
-          {"decimated", content.estimates.size() > kMaxSamples},
+json report_data(const FlightCharts& charts, const json& summary) {
+  return {{"columns", columns(charts.columns)},
+          {"path", path(charts.path)},
+          {"verdicts", verdict_intervals_json(charts)},
+          {"length_unit", charts.is_metric ? "m" : "heights"},
+          {"has_truth", charts.has_truth},
+          {"decimated", charts.frames > kMaxSamples},
           {"summary", summary}};
 }
 
@@ -63,7 +57,7 @@ std::string report_html(const ReportContent& content, const json& summary) {
            "on a touch screen use two fingers.",
        .title = content.title,
        .config_yaml = content.config_yaml},
-      report_data(content, summary));
+      report_data(content.charts, summary));
 }
 
 void write_report(const std::filesystem::path& path, const ReportContent& content,

@@ -2,22 +2,16 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
-#include <span>
 #include <string>
 
-#include "geometry/rigid_transform.hpp"
-#include "navigation/navigation_estimate.hpp"
+#include "io/report/report_series.hpp"
 
 namespace stillkite {
 
 /// Content of a run report.
 struct ReportContent {
   std::string title;  ///< source as given by the user
-  std::span<const NavigationEstimate> estimates;
-  std::span<const std::optional<RigidTransform>>
-      truth;  ///< world_from_body; empty, or one per estimate
-  RigidTransform body_from_camera;
+  FlightCharts charts;
   std::string config_yaml;  ///< effective configuration
 };
 

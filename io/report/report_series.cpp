@@ -13,25 +13,7 @@ namespace stillkite {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
-
-/// Columns, extended by one value per frame.
-class Table {
- public:
-  void add(std::string_view name, double value) {
-    series_[std::string(name)].push_back(static_cast<float>(value));
-  }
-  void add(std::string_view name, std::string_view unit, const Eigen::Vector3d& value) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      add(std::string(name) + "_" + std::string(kAxes[axis]) + "_" + std::string(unit),
-          value(static_cast<Eigen::Index>(axis)));
-    }
-  }
-  ReportSeries take() { return std::move(series_); }
-
- private:
-  ReportSeries series_;
-};
+constexpr std::size_t kMaxBlocks = 4000;
 
 Eigen::Vector3d nan_vector() {
   return Eigen::Vector3d::Constant(kNaN);
@@ -53,113 +35,146 @@ Eigen::Vector3d angles_deg(const Eigen::Quaterniond& world_from_body,
   });
 }
 
-void add_angles(Table& table, std::string_view name, const Eigen::Vector3d& degrees) {
-  static constexpr std::array<std::string_view, 3> kAngles{"roll", "pitch", "yaw"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    table.add(std::string(kAngles[i]) + std::string(name) + "_deg",
-              degrees(static_cast<Eigen::Index>(i)));
+/// Lengths in heights have no metric truth.
+void remove_true_lengths(ReportSeries& series) {
+  for (auto& [name, values] : series) {
+    for (const std::string_view length :
+         {"position_true", "position_error", "velocity_true", "velocity_error", "speed_true"}) {
+      if (name.starts_with(length)) std::ranges::fill(values, static_cast<float>(kNaN));
+    }
   }
-}
-
-void add_state(Table& table, const NavigationEstimate& estimate,
-               const Eigen::Quaterniond& world_from_camera) {
-  const Matrix6d& P = estimate.pose_covariance;
-  const Eigen::Matrix3d R = world_from_camera.toRotationMatrix();
-  table.add("position", "m", estimate.world_from_body.translation);
-  table.add("position_sigma", "m", standard_deviation(P.topLeftCorner<3, 3>()));
-  table.add("attitude_sigma", "deg", standard_deviation(P.bottomRightCorner<3, 3>()) / kDegree);
-  table.add("velocity", "m_s", estimate.velocity_in_world_m_s);
-  // the prior covariance of the first frame would dominate the scale of the chart
-  const Eigen::Matrix3d velocity_covariance =
-      R * estimate.twist_covariance.topLeftCorner<3, 3>() * R.transpose();
-  table.add("velocity_sigma", "m_s",
-            estimate.verdict == Verdict::first_frame ? nan_vector()
-                                                     : standard_deviation(velocity_covariance));
-}
-
-void add_errors(Table& table, const NavigationEstimate& estimate,
-                const std::optional<RigidTransform>& truth, const Eigen::Vector3d& true_position,
-                const Eigen::Vector3d& true_velocity) {
-  const RigidTransform& pose = estimate.world_from_body;
-  table.add("position_true", "m", true_position);
-  table.add("position_error", "m", pose.translation - true_position);
-  table.add("attitude_error", "deg",
-            truth ? (so3_log(pose.rotation * truth->rotation.conjugate()) / kDegree).eval()
-                  : nan_vector());
-  table.add("velocity_true", "m_s", true_velocity);
-  table.add("velocity_error", "m_s", estimate.velocity_in_world_m_s - true_velocity);
-}
-
-void add_quality(Table& table, const NavigationEstimate& estimate) {
-  const bool measured = estimate.verdict != Verdict::first_frame;
-  const FlowQuality& quality = estimate.quality;
-  table.add("inliers_percent", measured ? 100 * quality.inlier_ratio : kNaN);
-  table.add("residual_px", measured ? quality.residual_px : kNaN);
-  table.add("windows", measured ? quality.flow_vectors : kNaN);
-  table.add("flow_px", measured ? quality.mean_flow_px : kNaN);
-  table.add("condition", measured && quality.condition > 0 ? quality.condition : kNaN);
-  for (const auto& [stage, name] : EnumNames<Stage>::value) {
-    table.add(std::string(name) + "_ms", estimate.stage_ms[static_cast<std::size_t>(stage)]);
-  }
-}
-
-/// Mean velocity between two true positions; NaN without both.
-Eigen::Vector3d true_velocity(const ReportContent& content, std::size_t i) {
-  if (i == 0 || !is_in_metres(content.estimates) || !content.truth[i] || !content.truth[i - 1]) {
-    return nan_vector();
-  }
-  const double dt_s = seconds_between(content.estimates[i - 1].stamp, content.estimates[i].stamp);
-  if (!(dt_s > 0)) return nan_vector();
-  return (content.truth[i]->translation - content.truth[i - 1]->translation) / dt_s;
 }
 
 }  // namespace
 
-ReportSeries report_series(const ReportContent& content) {
-  Table table;
-  Eigen::Vector3d angles = nan_vector();
-  for (std::size_t i = 0; i < content.estimates.size(); ++i) {
-    const NavigationEstimate& estimate = content.estimates[i];
-    const Eigen::Quaterniond& attitude = estimate.world_from_body.rotation;
-    table.add("time_s", seconds_between(content.estimates.front().stamp, estimate.stamp));
-    add_state(table, estimate, attitude * content.body_from_camera.rotation);
-    const Eigen::Vector3d unwrapped = angles_deg(attitude, angles);
-    add_angles(table, "", unwrapped);
-    if (unwrapped.allFinite()) angles = unwrapped;
-    if (!content.truth.empty()) {
-      const std::optional<RigidTransform>& truth = content.truth[i];
-      const bool has_position = truth && is_in_metres(content.estimates);
-      add_errors(table, estimate, truth, has_position ? truth->translation : nan_vector(),
-                 true_velocity(content, i));
-      add_angles(table, "_true", truth ? angles_deg(truth->rotation, unwrapped) : nan_vector());
-    }
-    add_quality(table, estimate);
-  }
-  return table.take();
+ChartRecorder::ChartRecorder(bool has_truth, const RigidTransform& body_from_camera)
+    : has_truth_(has_truth),
+      body_from_camera_(body_from_camera),
+      columns_(kMaxBlocks),
+      norms_(kMaxBlocks),
+      angles_deg_(nan_vector()) {}
+
+void ChartRecorder::add_vector(const char* name, const char* unit, const Eigen::Vector3d& value) {
+  columns_.add({name, "_x_", unit}, value.x());
+  columns_.add({name, "_y_", unit}, value.y());
+  columns_.add({name, "_z_", unit}, value.z());
 }
 
-std::vector<VerdictInterval> verdict_intervals(std::span<const NavigationEstimate> estimates) {
-  std::vector<VerdictInterval> intervals;
-  for (const NavigationEstimate& estimate : estimates) {
-    const double t_s = seconds_between(estimates.front().stamp, estimate.stamp);
-    if (!intervals.empty()) intervals.back().end_s = t_s;
-    if (intervals.empty() || intervals.back().verdict != estimate.verdict) {
-      intervals.push_back({.verdict = estimate.verdict, .start_s = t_s, .end_s = t_s});
-    }
-  }
-  return intervals;
+void ChartRecorder::add_angles(const char* name, const Eigen::Vector3d& degrees) {
+  columns_.add({"roll", name, "_deg"}, degrees.x());
+  columns_.add({"pitch", name, "_deg"}, degrees.y());
+  columns_.add({"yaw", name, "_deg"}, degrees.z());
 }
 
-nlohmann::json verdict_intervals_json(std::span<const NavigationEstimate> estimates) {
+void ChartRecorder::add_state(const NavigationEstimate& estimate) {
+  const Matrix6d& P = estimate.pose_covariance;
+  const Eigen::Quaterniond& attitude = estimate.world_from_body.rotation;
+  const Eigen::Matrix3d R = (attitude * body_from_camera_.rotation).toRotationMatrix();
+  add_vector("position", "m", estimate.world_from_body.translation);
+  add_vector("position_sigma", "m", standard_deviation(P.topLeftCorner<3, 3>()));
+  add_vector("attitude_sigma", "deg", standard_deviation(P.bottomRightCorner<3, 3>()) / kDegree);
+  add_vector("velocity", "m_s", estimate.velocity_in_world_m_s);
+  norms_.add({"speed_m_s"}, estimate.velocity_in_world_m_s.norm());
+  // the prior covariance of the first frame would dominate the scale of the chart
+  const Eigen::Matrix3d velocity_covariance =
+      R * estimate.twist_covariance.topLeftCorner<3, 3>() * R.transpose();
+  add_vector("velocity_sigma", "m_s",
+             estimate.verdict == Verdict::first_frame ? nan_vector()
+                                                      : standard_deviation(velocity_covariance));
+}
+
+/// Mean velocity between two true positions; NaN without both.
+Eigen::Vector3d ChartRecorder::true_velocity(Timestamp stamp, const TrueState& truth) const {
+  if (truth.velocity_in_world_m_s) return *truth.velocity_in_world_m_s;
+  const double dt_s = seconds_between(previous_stamp_, stamp);
+  if (!truth.position_m || !previous_true_position_m_ || !(dt_s > 0)) return nan_vector();
+  return (*truth.position_m - *previous_true_position_m_) / dt_s;
+}
+
+void ChartRecorder::add_truth(const NavigationEstimate& estimate, const TrueState& truth) {
+  const RigidTransform& pose = estimate.world_from_body;
+  const Eigen::Vector3d position = truth.position_m.value_or(nan_vector());
+  const Eigen::Vector3d velocity = true_velocity(estimate.stamp, truth);
+  const Eigen::Vector3d position_error = pose.translation - position;
+  const Eigen::Vector3d velocity_error = estimate.velocity_in_world_m_s - velocity;
+  Eigen::Vector3d attitude_error_deg = nan_vector();
+  Eigen::Vector3d angles_true_deg = nan_vector();
+  if (truth.world_from_body) {
+    attitude_error_deg = so3_log(pose.rotation * truth.world_from_body->conjugate()) / kDegree;
+    angles_true_deg = angles_deg(*truth.world_from_body, angles_deg_);
+  }
+  add_vector("position_true", "m", position);
+  add_vector("position_error", "m", position_error);
+  add_vector("attitude_error", "deg", attitude_error_deg);
+  add_vector("velocity_true", "m_s", velocity);
+  add_vector("velocity_error", "m_s", velocity_error);
+  add_angles("_true", angles_true_deg);
+  norms_.add({"speed_true_m_s"}, velocity.norm());
+  norms_.add({"position_error_m"}, position_error.norm());
+  norms_.add({"velocity_error_m_s"}, velocity_error.norm());
+  norms_.add({"attitude_error_deg"}, attitude_error_deg.norm());
+}
+
+void ChartRecorder::add_quality(const NavigationEstimate& estimate) {
+  const bool measured = estimate.verdict != Verdict::first_frame;
+  const FlowQuality& quality = estimate.quality;
+  columns_.add({"inliers_percent"}, measured ? 100 * quality.inlier_ratio : kNaN);
+  columns_.add({"residual_px"}, measured ? quality.residual_px : kNaN);
+  columns_.add({"windows"}, measured ? quality.flow_vectors : kNaN);
+  columns_.add({"flow_px"}, measured ? quality.mean_flow_px : kNaN);
+  columns_.add({"condition"}, measured && quality.condition > 0 ? quality.condition : kNaN);
+  for (const auto& [stage, name] : EnumNames<Stage>::value) {
+    columns_.add({name, "_ms"}, estimate.stage_ms[static_cast<std::size_t>(stage)]);
+  }
+}
+
+void ChartRecorder::add(const NavigationEstimate& estimate, const TrueState& truth) {
+  if (!first_stamp_) first_stamp_ = estimate.stamp;
+  const double t_s = seconds_between(*first_stamp_, estimate.stamp);
+  columns_.add({"time_s"}, t_s);
+  add_state(estimate);
+  const Eigen::Vector3d unwrapped = angles_deg(estimate.world_from_body.rotation, angles_deg_);
+  add_angles("", unwrapped);
+  if (unwrapped.allFinite()) angles_deg_ = unwrapped;
+  if (has_truth_) add_truth(estimate, truth);
+  add_quality(estimate);
+  columns_.end_frame();
+  norms_.end_frame();
+
+  if (!verdicts_.empty()) verdicts_.back().end_s = t_s;
+  if (verdicts_.empty() || verdicts_.back().verdict != estimate.verdict) {
+    verdicts_.push_back({.verdict = estimate.verdict, .start_s = t_s, .end_s = t_s});
+  }
+  previous_stamp_ = estimate.stamp;
+  previous_true_position_m_ = truth.position_m;
+  scale_ = estimate.scale;
+}
+
+FlightCharts ChartRecorder::charts() const {
+  FlightCharts charts{.columns = columns_.extremes(),
+                      .norms = norms_.extremes(),
+                      .verdicts = verdicts_,
+                      .frames = columns_.frames(),
+                      .has_truth = has_truth_ && columns_.frames() > 0,
+                      .is_metric = scale_ != ScaleSource::none};
+  ReportSeries samples = columns_.samples();
+  for (const char* name :
+       {"time_s", "position_x_m", "position_y_m", "position_true_x_m", "position_true_y_m"}) {
+    if (auto column = samples.extract(name)) charts.path.insert(std::move(column));
+  }
+  if (charts.is_metric) return charts;
+  for (ReportSeries* series : {&charts.columns, &charts.norms, &charts.path}) {
+    remove_true_lengths(*series);
+  }
+  return charts;
+}
+
+nlohmann::json verdict_intervals_json(const FlightCharts& charts) {
   nlohmann::json intervals = nlohmann::json::array();
-  for (const VerdictInterval& interval : verdict_intervals(estimates)) {
+  for (const VerdictInterval& interval : charts.verdicts) {
     intervals.push_back({name_of(interval.verdict), interval.start_s, interval.end_s});
   }
   return intervals;
-}
-
-bool is_in_metres(std::span<const NavigationEstimate> estimates) {
-  return !estimates.empty() && estimates.back().scale != ScaleSource::none;
 }
 
 }  // namespace stillkite

@@ -12,7 +12,6 @@ RunRecorder::RunRecorder(const std::filesystem::path& folder)
 }
 
 void RunRecorder::add(const NavigationEstimate& estimate) {
-  estimates_.push_back(estimate);
   table_.write(estimates_csv_row(estimate));
   trajectory_.write(tum_line({estimate.stamp, estimate.world_from_body}));
 }

@@ -1,15 +1,13 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
 #include "io/results/output_file.hpp"
 #include "navigation/navigation_estimate.hpp"
 
 namespace stillkite {
 
-/// Writes estimates.csv and trajectory.tum frame by frame and stores the estimates for summary and
-/// report.
+/// Writes estimates.csv and trajectory.tum frame by frame.
 class RunRecorder {
  public:
   /// Throws InputError if the folder is not writable.
@@ -23,12 +21,9 @@ class RunRecorder {
   /// Renames both files.
   void commit();
 
-  [[nodiscard]] const std::vector<NavigationEstimate>& estimates() const { return estimates_; }
-
  private:
   OutputFile table_;
   OutputFile trajectory_;
-  std::vector<NavigationEstimate> estimates_;
 };
 
 }  // namespace stillkite

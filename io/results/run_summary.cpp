@@ -33,26 +33,32 @@ json quantile(std::vector<float> values, double ratio) {
   return number(*at);
 }
 
-json verdict_counts(std::span<const NavigationEstimate> estimates) {
+json verdict_counts(const RunTally& tally) {
   json counts = json::object();
-  for (const auto& [verdict, name] : EnumNames<Verdict>::value) counts[std::string(name)] = 0;
-  for (const NavigationEstimate& e : estimates) {
-    json& count = counts[std::string(name_of(e.verdict))];
-    count = count.get<std::int64_t>() + 1;
+  for (const auto& [verdict, name] : EnumNames<Verdict>::value) {
+    counts[std::string(name)] = tally.verdicts.at(static_cast<std::size_t>(verdict));
   }
   return counts;
 }
 
-json stage_medians(std::span<const NavigationEstimate> estimates) {
+json stage_medians(const RunTally& tally) {
   json medians = json::object();
   for (const auto& [stage, name] : EnumNames<Stage>::value) {
-    std::vector<float> values;
-    for (const NavigationEstimate& e : estimates) {
-      values.push_back(static_cast<float>(e.stage_ms[static_cast<std::size_t>(stage)]));
-    }
-    medians[std::string(name)] = quantile(std::move(values), 0.5);
+    medians[std::string(name)] = quantile(tally.stage_ms.at(static_cast<std::size_t>(stage)), 0.5);
   }
   return medians;
+}
+
+std::int64_t used_frames(const RunTally& tally) {
+  std::int64_t used = 0;
+  for (const auto& [verdict, name] : EnumNames<Verdict>::value) {
+    if (is_measured(verdict)) used += tally.verdicts.at(static_cast<std::size_t>(verdict));
+  }
+  return used;
+}
+
+json ratio(std::int64_t part, std::int64_t all) {
+  return all > 0 ? json(static_cast<double>(part) / static_cast<double>(all)) : json(nullptr);
 }
 
 json final_state(const NavigationEstimate& e) {
@@ -75,21 +81,30 @@ json command_counts(const std::optional<CommandCounts>& counts) {
 
 }  // namespace
 
-json run_summary(std::span<const NavigationEstimate> estimates, const RunFacts& facts,
-                 json evaluation) {
+void RunTally::add(const NavigationEstimate& estimate) {
+  ++frames;
+  ++verdicts.at(static_cast<std::size_t>(estimate.verdict));
+  for (std::size_t i = 0; i < stage_ms.size(); ++i) {
+    stage_ms[i].push_back(static_cast<float>(estimate.stage_ms[i]));
+  }
+  if (!first_stamp) first_stamp = estimate.stamp;
+  last = estimate;
+  max_masked_ratio = std::max(max_masked_ratio, estimate.masked_ratio);
+}
+
+json run_summary(const RunTally& tally, const RunFacts& facts, json evaluation) {
   const std::vector<float> frame_ms(facts.frame_ms.begin(), facts.frame_ms.end());
-  const NavigationEstimate* last = estimates.empty() ? nullptr : &estimates.back();
-  const std::int64_t used =
-      std::count_if(estimates.begin(), estimates.end(),
-                    [](const NavigationEstimate& e) { return is_measured(e.verdict); });
-  const double frames_per_s = static_cast<double>(estimates.size()) / facts.wall_s;
+  const NavigationEstimate* last = tally.last ? &*tally.last : nullptr;
+  const std::int64_t used = used_frames(tally);
+  const double frames_per_s = static_cast<double>(tally.frames) / facts.wall_s;
   return {
       {"frames",
        {{"read", facts.frames_read}, {"used", used}, {"rejected", facts.frames_read - used}}},
-      {"verdicts", verdict_counts(estimates)},
+      {"availability_ratio", ratio(used, facts.frames_read)},
+      {"verdicts", verdict_counts(tally)},
       {"timing",
        {{"frame_ms", {{"median", quantile(frame_ms, 0.5)}, {"p99", quantile(frame_ms, 0.99)}}},
-        {"stages_ms", stage_medians(estimates)},
+        {"stages_ms", stage_medians(tally)},
         {"frames_per_s", number(frames_per_s)}}},
       {"memory", {{"peak_rss_mib", number(peak_rss_mib())}}},
       {"final", last == nullptr ? json(nullptr) : final_state(*last)},

@@ -69,8 +69,8 @@ TEST_F(ComparisonInBrowser, HandlesHostileTextNonFiniteNumbersAndUnequalLengths)
   made.first.estimates[7].world_from_body.translation.setConstant(
       std::numeric_limits<double>::quiet_NaN());
   made.first.truth[9] = std::nullopt;
-  made.runs[1].name = hostile;
-  made.runs[1].estimates = made.runs[1].estimates.first(299);
+  made.names[1] = hostile;
+  made.second.estimates.resize(299);
   made.comparison["estimators"][1]["name"] = hostile;
   const std::string dom =
       show(comparison_report_html(made.content(hostile, true), made.comparison));

@@ -114,9 +114,23 @@ nlohmann::json synthetic_summary(const SyntheticFlight& flight) {
 }
 
 ReportContent SyntheticFlight::content(const std::string& title, bool with_truth) const {
-  ReportContent content{.title = title, .estimates = estimates, .config_yaml = config_yaml};
-  if (with_truth) content.truth = truth;
-  return content;
+  return {.title = title,
+          .charts = with_truth ? recorded_charts(estimates, truth) : recorded_charts(estimates, {}),
+          .config_yaml = config_yaml};
+}
+
+FlightCharts recorded_charts(std::span<const NavigationEstimate> estimates,
+                             std::span<const std::optional<RigidTransform>> truth,
+                             const RigidTransform& body_from_camera) {
+  ChartRecorder recorder(!truth.empty(), body_from_camera);
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    TrueState state;
+    if (!truth.empty() && truth[i]) {
+      state = {.position_m = truth[i]->translation, .world_from_body = truth[i]->rotation};
+    }
+    recorder.add(estimates[i], state);
+  }
+  return recorder.charts();
 }
 
 }  // namespace stillkite

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,11 @@ struct SyntheticFlight {
 };
 
 [[nodiscard]] SyntheticFlight synthetic_flight(int frames);
+
+/// Charts of estimates with their truth; `truth` is empty or has one pose per estimate.
+[[nodiscard]] FlightCharts recorded_charts(std::span<const NavigationEstimate> estimates,
+                                           std::span<const std::optional<RigidTransform>> truth,
+                                           const RigidTransform& body_from_camera = {});
 
 /// summary.json of the flight, with truth.
 [[nodiscard]] nlohmann::json synthetic_summary(const SyntheticFlight& flight);

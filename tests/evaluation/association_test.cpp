@@ -31,6 +31,16 @@ TEST(PoseAt, RequiresANeighbourWithinTolerance) {
   EXPECT_DOUBLE_EQ(pose_at(poses, from_seconds(1.1), 0)->translation.x(), 20);
 }
 
+TEST(VelocityAt, InterpolatesBetweenNeighbours) {
+  const std::vector<StampedVelocity> velocities{{from_seconds(1.0), {10, 0, 2}},
+                                                {from_seconds(1.1), {20, 0, 2}}};
+  const auto velocity = velocity_at(velocities, from_seconds(1.025), 0.03);
+  ASSERT_TRUE(velocity);
+  EXPECT_NEAR((*velocity - Eigen::Vector3d(12.5, 0, 2)).norm(), 0, 1e-9);
+  EXPECT_FALSE(velocity_at(velocities, from_seconds(1.05), 0.03));
+  EXPECT_DOUBLE_EQ(velocity_at(velocities, from_seconds(1.12), 0.03)->x(), 20);
+}
+
 TEST(TwistAt, ReturnsTheNearestSample) {
   const std::vector<StampedTwist> twists{{from_seconds(1.0), {.velocity_m_s = {1, 0, 0}}},
                                          {from_seconds(1.1), {.velocity_m_s = {2, 0, 0}}}};

@@ -46,6 +46,33 @@ TEST(Nees, IsThreeForOneSigmaAlongEveryAxis) {
   EXPECT_FALSE(nees({2, 3, -4}, Eigen::Matrix3d::Zero()));
 }
 
+// Two degrees of freedom: quantile = -2 ln(1 - probability).
+TEST(Consistency, CountsSharesBeyondThreeAndFiveSigma) {
+  const double three_sigma = -2 * std::log(std::erfc(3 / std::sqrt(2)));
+  const double five_sigma = -2 * std::log(std::erfc(5 / std::sqrt(2)));
+  const std::vector<double> samples{1, three_sigma - 1e-6, three_sigma + 1e-6, five_sigma - 1e-6,
+                                    five_sigma + 1e-6};
+  const auto result = consistency(samples, 2);
+  ASSERT_TRUE(result);
+  EXPECT_DOUBLE_EQ(result->share_beyond_3_sigma, 0.6);
+  EXPECT_DOUBLE_EQ(result->share_beyond_5_sigma, 0.2);
+  EXPECT_FALSE(consistency({samples.data(), 1}, 2)) << "one frame is no statistic";
+}
+
+// Covariance 4 I: sigma sqrt(12); error norms 3 and 4: RMS sqrt(12.5).
+TEST(NormalizedErrors, ComparesMedianSigmaWithRmsError) {
+  NormalizedErrors errors;
+  const Eigen::Matrix3d P = 4 * Eigen::Matrix3d::Identity();
+  errors.add({3, 0, 0}, P);
+  errors.add({0, 0, 4}, P);
+  errors.add({100, 0, 0}, Eigen::Matrix3d::Zero());
+  const auto result = errors.consistency();
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->samples, 2);
+  EXPECT_NEAR(result->mean, 0.5 * (9.0 / 4 + 16.0 / 4), 1e-12);
+  EXPECT_NEAR(*result->sigma_over_rms, std::sqrt(12 / 12.5), 1e-12);
+}
+
 TEST(Consistency, AcceptsConsistentAndRejectsOptimisticCovariance) {
   Eigen::Matrix3d P;
   P << 4, 1, 0, 1, 3, -1, 0, -1, 2;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "evaluation/frame_error.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -25,7 +27,7 @@ TEST(Evaluate, TruthHasZeroError) {
   const Truth truth = straight_flight();
   const Evaluation result = evaluate(evaluated_motions(truth.poses), truth);
   EXPECT_EQ(result.matched, kFrames);
-  EXPECT_NEAR(result.path_length_m, 100, 1e-9);
+  EXPECT_NEAR(*result.path_length_m, 100, 1e-9);
   EXPECT_EQ(result.trajectory->position->rmse_m, 0);
   EXPECT_EQ(*result.drift_percent, 0);
   EXPECT_EQ(result.velocity->samples, kFrames - 1);
@@ -117,6 +119,108 @@ TEST(Evaluate, ScalesVelocitiesWithSim3) {
   EXPECT_NEAR(result.alignment->scale, 2, 1e-9);
   EXPECT_NEAR(result.trajectory->position->rmse_m, 0, 1e-9);
   EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
+}
+
+// Exact estimate of a flight with 0.5 rad/s of yaw; the truth's attitude is a placeholder.
+TEST(Evaluate, DoesNotJudgeAttitudeWithATruthOfPositions) {
+  std::vector<EvaluatedMotion> estimates;
+  Truth truth;
+  truth.has_attitude = false;
+  for (const StampedPose& pose : straight_flight().poses) {
+    truth.poses.push_back(pose);
+    estimates.push_back({.stamp = pose.stamp,
+                         .world_from_body = {so3_exp({0, 0, 0.5 * to_seconds(pose.stamp)}),
+                                             pose.world_from_body.translation},
+                         .pose_covariance = Matrix6d::Identity(),
+                         .twist_covariance = Matrix6d::Identity()});
+  }
+  const Evaluation result = evaluate(estimates, truth, {.body_from_camera = kNadir});
+  EXPECT_EQ(result.matched, kFrames);
+  EXPECT_NEAR(result.trajectory->position->rmse_m, 0, 1e-12);
+  EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
+  EXPECT_NEAR(result.per_metre->translation_rmse_m, 0, 1e-9);
+  EXPECT_TRUE(result.nees.position && result.nees.velocity);
+  EXPECT_FALSE(result.trajectory->attitude);
+  EXPECT_FALSE(result.angular_rate);
+  EXPECT_FALSE(result.per_metre->rotation_rmse_rad);
+  EXPECT_FALSE(result.nees.attitude);
+  EXPECT_FALSE(result.nees.angular_rate);
+}
+
+TEST(Evaluate, DoesNotJudgeAttitudeOfAnEstimateOfPositions) {
+  Truth truth = straight_flight();
+  const auto estimates = evaluated_motions(truth.poses, false);
+  for (StampedPose& pose : truth.poses) {
+    pose.world_from_body.rotation = so3_exp({0, 0, 0.5 * to_seconds(pose.stamp)});
+  }
+  for (const Alignment alignment : {Alignment::none, Alignment::origin}) {
+    const Evaluation result = evaluate(estimates, truth, {.alignment = alignment});
+    EXPECT_NEAR(result.trajectory->position->rmse_m, 0, 1e-9);
+    EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
+    EXPECT_FALSE(result.trajectory->attitude);
+    EXPECT_FALSE(result.angular_rate);
+  }
+}
+
+// Velocity error of 0.2 m/s along the camera's x axis; the body has a yaw of 90 degrees.
+TEST(Evaluate, JudgesVelocityAloneWithATruthOfVelocities) {
+  std::vector<EvaluatedMotion> estimates;
+  Truth truth;
+  for (int i = 0; i < kFrames; ++i) {
+    truth.velocities.push_back({from_seconds(0.1 * i - 0.05), {10, 0, 0}});
+    estimates.push_back({.stamp = from_seconds(0.1 * i),
+                         .world_from_body = {.rotation = so3_exp({0, 0, M_PI / 2})},
+                         .twist_in_camera = Twist{.velocity_m_s = {0.2, -10, 0}}});
+  }
+  const Evaluation result = evaluate(estimates, truth);
+  EXPECT_EQ(result.matched, kFrames - 1);
+  EXPECT_NEAR(result.velocity->rmse.x(), 0.2, 1e-9);
+  EXPECT_NEAR(result.velocity->rmse.y(), 0, 1e-9);
+  EXPECT_FALSE(result.trajectory);
+  EXPECT_FALSE(result.path_length_m);
+  EXPECT_FALSE(result.angular_rate);
+  EXPECT_NEAR(mean_error(frame_errors(estimates, truth), FrameFigure::velocity).value(), 0.2, 1e-9);
+}
+
+// A yaw error of 0.01 rad of its own standard deviation turns 10 m/s by 0.1 m/s.
+TEST(Evaluate, AttitudeCovarianceExplainsTheRotationOfATrueVelocity) {
+  std::vector<EvaluatedMotion> estimates;
+  Truth truth;
+  for (int i = 0; i < kFrames; ++i) {
+    truth.velocities.push_back({from_seconds(0.1 * i - 0.05), {10, 0, 0}});
+    estimates.push_back({.stamp = from_seconds(0.1 * i),
+                         .world_from_body = {.rotation = so3_exp({0, 0, 0.01})},
+                         .twist_in_camera = Twist{.velocity_m_s = {10, 0, 0}},
+                         .pose_covariance = 1e-4 * Matrix6d::Identity(),
+                         .twist_covariance = 1e-4 * Matrix6d::Identity()});
+  }
+  EXPECT_NEAR(evaluate(estimates, truth).nees.velocity->mean, 1, 1e-2);
+}
+
+// Errors of 0.1 m per axis; truth and estimate have the same sigma of 0.1 m.
+TEST(Evaluate, ExpectedSpreadIncludesTheErrorOfTheTruth) {
+  Truth truth = straight_flight();
+  std::vector<EvaluatedMotion> estimates = evaluated_motions(truth.poses);
+  for (EvaluatedMotion& estimate : estimates) {
+    estimate.world_from_body.translation += Eigen::Vector3d(0.1, 0.1, 0.1);
+    estimate.pose_covariance = 0.01 * Matrix6d::Identity();
+  }
+  EXPECT_NEAR(evaluate(estimates, truth).nees.position->mean, 3, 1e-9);
+  EXPECT_NEAR(*evaluate(estimates, truth).nees.position->sigma_over_rms, 1, 1e-9);
+  truth.sigma.position_m = 0.1;
+  EXPECT_NEAR(evaluate(estimates, truth).nees.position->mean, 1.5, 1e-9);
+  EXPECT_NEAR(*evaluate(estimates, truth).nees.position->sigma_over_rms, std::sqrt(2), 1e-9);
+}
+
+// Scale error of 2 % over 100 m: 0.02 m per metre; RMSE = 2 m sqrt(201 / 600).
+TEST(Evaluate, ReportsErrorsRelativeToMetreAndPath) {
+  const Truth truth = straight_flight();
+  std::vector<StampedPose> poses = truth.poses;
+  for (StampedPose& pose : poses) pose.world_from_body.translation.x() *= 1.02;
+  const Evaluation result = evaluate(evaluated_motions(poses), truth);
+  EXPECT_EQ(result.per_metre->count, 100);
+  EXPECT_NEAR(result.per_metre->translation_rmse_m, 0.02, 1e-9);
+  EXPECT_NEAR(*result.rmse_percent, 2 * std::sqrt(201.0 / 600), 1e-9);
 }
 
 // The first second has no metric scale: lengths in initial heights of 10 m.

@@ -52,6 +52,7 @@ TEST(FrameErrors, NonMetricEstimateHasNoLengthErrors) {
   std::vector<EvaluatedMotion> estimates = offset_estimate(truth, 0.3);
   for (EvaluatedMotion& estimate : estimates) estimate.is_metric = false;
   estimates[8].is_metric = true;
+  estimates[9].is_metric = true;
   const std::vector<FrameError> errors = frame_errors(estimates, truth);
   EXPECT_FALSE(errors[7][kPosition]);
   EXPECT_FALSE(errors[7][kVelocity]);
@@ -59,6 +60,23 @@ TEST(FrameErrors, NonMetricEstimateHasNoLengthErrors) {
   EXPECT_TRUE(errors[7][kAngularRate]);
   EXPECT_NEAR(errors[8][kPosition].value(), 0.3, 1e-12);
   EXPECT_NEAR(mean_error(errors, FrameFigure::velocity).value(), 2, 1e-9);
+}
+
+TEST(FrameErrors, TruthOfPositionsHasNoAttitudeErrors) {
+  Truth truth = turning_flight();
+  const std::vector<EvaluatedMotion> estimates = offset_estimate(truth, 0.3);
+  truth.has_attitude = false;
+  const std::vector<FrameError> errors = frame_errors(estimates, truth);
+  EXPECT_NEAR(errors[7][kPosition].value(), 0.3, 1e-12);
+  EXPECT_TRUE(errors[7][kVelocity]);
+  EXPECT_FALSE(errors[7][kAttitude]);
+  EXPECT_FALSE(errors[7][kAngularRate]);
+}
+
+TEST(MeanError, IsEmptyForOneFrame) {
+  FrameError error;
+  error[kPosition] = 0;
+  EXPECT_FALSE(mean_error({&error, 1}, FrameFigure::position));
 }
 
 TEST(PairedDifference, IsTheDifferenceOfConstantErrors) {

@@ -31,8 +31,8 @@ TEST(TrajectoryError, ConstantOffsetIsTheRmse) {
   EXPECT_NEAR(error->position->max_m, 13, 1e-12);
   EXPECT_NEAR(error->position->end->horizontal_m, 5, 1e-12);
   EXPECT_NEAR(error->position->end->vertical_m, 12, 1e-12);
-  EXPECT_NEAR(error->tilt_rmse_rad, 0, 1e-12);
-  EXPECT_NEAR(error->yaw_rmse_rad, 0, 1e-12);
+  EXPECT_NEAR(error->attitude->tilt_rmse_rad, 0, 1e-12);
+  EXPECT_NEAR(error->attitude->yaw_rmse_rad, 0, 1e-12);
 }
 
 // Error k/100 at pair k of 0..n: mean square = (2n + 1)(n)/(6 * 100^2).
@@ -48,8 +48,16 @@ TEST(TrajectoryError, SeparatesTiltFromYaw) {
     pair.estimate.rotation = so3_exp({0.03, 0.04, 0}) * so3_exp({0, 0, -3.1}) * pair.truth.rotation;
   }
   const auto error = trajectory_error(pairs);
-  EXPECT_NEAR(error->tilt_rmse_rad, 0.05, 1e-7);
-  EXPECT_NEAR(error->yaw_rmse_rad, 3.1, 1e-7);
+  EXPECT_NEAR(error->attitude->tilt_rmse_rad, 0.05, 1e-7);
+  EXPECT_NEAR(error->attitude->yaw_rmse_rad, 3.1, 1e-7);
+}
+
+TEST(TrajectoryError, IsEmptyForOnePair) {
+  std::vector<PosePair> pairs = straight_pairs();
+  for (std::size_t i = 1; i < pairs.size(); ++i) pairs[i].is_metric = false;
+  EXPECT_FALSE(trajectory_error(pairs)->position);
+  EXPECT_TRUE(trajectory_error(pairs)->attitude);
+  EXPECT_FALSE(trajectory_error({pairs.data(), 1}));
 }
 
 TEST(TrajectoryError, ReturnsNothingWithoutPairs) {
@@ -67,7 +75,7 @@ TEST(RelativeError, ScaleErrorIsProportionalToStepLength) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->count, 100);
   EXPECT_NEAR(frame->translation_rmse_m, 0.02, 1e-12);
-  EXPECT_NEAR(frame->rotation_rmse_rad, 0, 1e-7);
+  EXPECT_NEAR(*frame->rotation_rmse_rad, 0, 1e-7);
   const auto far = relative_error_over_distance(pairs, 25);
   ASSERT_TRUE(far);
   EXPECT_EQ(far->count, 76);
@@ -81,7 +89,7 @@ TEST(RelativeError, ConstantYawDriftGivesRotationError) {
   for (int i = 0; i <= 100; ++i) {
     pairs[i].estimate.rotation = so3_exp({0, 0, 0.001 * i}) * pairs[i].truth.rotation;
   }
-  EXPECT_NEAR(relative_error_over_frames(pairs, 5)->rotation_rmse_rad, 0.005, 1e-9);
+  EXPECT_NEAR(*relative_error_over_frames(pairs, 5)->rotation_rmse_rad, 0.005, 1e-9);
 }
 
 TEST(VectorError, MatchesGainAndOffset) {
@@ -107,6 +115,7 @@ TEST(VectorError, MedianOfEvenCountAveragesTheTwoMiddleErrors) {
   const std::vector<Eigen::Vector3d> estimate{{9, 0, 0}, {-1, 0, 0}, {3, 0, 0}, {2, 0, 0}};
   EXPECT_NEAR(vector_error(estimate, truth)->median_abs.x(), 2.5, 1e-12);
   EXPECT_FALSE(vector_error({}, {}));
+  EXPECT_FALSE(vector_error({truth.data(), 1}, {estimate.data(), 1}));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ ConfigNode full_config() {
   config.source = {.path = "/v.mp4", .start_s = 1, .end_s = 2, .rate_hz = 30};
   config.calibration = {.path = "/c.yaml", .camera = CameraConfig{}};
   config.mount = {.down_deg = 45, .rotation_wxyz = std::array<double, 4>{1, 0, 0, 0}};
-  config.truth = {.path = "/t"};
+  config.truth = {.path = "/t", .positions = "/p", .velocity = "/v"};
   config.initial.height_m = 400;
   config.height = {.source = HeightSource::range, .path = "/h.csv"};
   config.shadow.enabled = true;

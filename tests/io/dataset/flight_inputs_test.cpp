@@ -3,6 +3,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "geometry/angle.hpp"
 #include "tests/io/temporary_folder.hpp"
 
 namespace stillkite {
@@ -53,11 +54,11 @@ TEST_F(Inputs, InitialPoseIsTheTruthAtTheFirstFrame) {
   const FlightInputs inputs = read();
   EXPECT_EQ(inputs.initial.scale, ScaleSource::initial_height);
   EXPECT_LT((inputs.initial.world_from_body.translation - Eigen::Vector3d(1, 2, 15)).norm(), 1e-12);
-  EXPECT_EQ(inputs.truth.size(), 2u);
+  EXPECT_EQ(inputs.truth.poses.size(), 2u);
 
   config.truth.ground_z_m = 2.5;
   EXPECT_EQ(read().initial.world_from_body.translation.z(), 12.5);
-  EXPECT_EQ(read().truth[1].world_from_body.translation.z(), 17.5);
+  EXPECT_EQ(read().truth.poses[1].world_from_body.translation.z(), 17.5);
 
   first.stamp = from_seconds(0.5);
   EXPECT_EQ(error(),
@@ -71,6 +72,32 @@ TEST_F(Inputs, TruthFolderWithoutDataMeansNoTruth) {
   folder.write("truth/sensor.yaml", "x: 1\n");
   config.truth.path = folder.path() / "truth";
   EXPECT_TRUE(read().truth.empty());
+}
+
+TEST_F(Inputs, TruthOfPositionsLeavesTheInitialAttitude) {
+  config.truth.positions = folder.file("p.csv", "#t [s],x,y,z\n1,0,0,10\n2,2,4,20\n");
+  config.initial.from_truth = true;
+  config.initial.yaw_deg = 90;
+  const FlightInputs inputs = read();
+  EXPECT_FALSE(inputs.truth.has_attitude);
+  EXPECT_LT((inputs.initial.world_from_body.translation - Eigen::Vector3d(1, 2, 15)).norm(), 1e-12);
+  EXPECT_NEAR(so3_log(inputs.initial.world_from_body.rotation).z(), 90 * kDegree, 1e-12);
+  config.truth.path = config.truth.positions;
+  EXPECT_EQ(error(), "truth.path and truth.positions are both set; keep one");
+}
+
+TEST_F(Inputs, TruthOfVelocitiesIsInTheWorldOrInTheCamera) {
+  config.truth.velocity = folder.file("w.csv", "#t [s],vx,vy,vz\n1,1,2,3\n");
+  config.truth.time_offset_s = -0.25;
+  const GroundTruth in_world = read().truth;
+  ASSERT_EQ(in_world.velocities.size(), 1u);
+  EXPECT_EQ(in_world.velocities[0].stamp.ns, 750000000);
+  EXPECT_TRUE(in_world.twists_in_camera.empty());
+  config.truth.velocity = folder.file("c.csv", "#t [s],vx,vy,vz,wx,wy,wz\n1,1,2,3,4,5,6\n");
+  EXPECT_EQ(read().truth.twists_in_camera.at(0).twist.angular_rate_rad_s.z(), 6);
+  EXPECT_TRUE(read().truth.velocities.empty());
+  config.truth.velocity = folder.file("f.csv", "#t [s],vx,vy,vz,speed\n1,1,2,3,4\n");
+  EXPECT_NE(error().find("5 columns; expected 4"), std::string::npos);
 }
 
 TEST_F(Inputs, RangeFinderGivesInitialHeight) {

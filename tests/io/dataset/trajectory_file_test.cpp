@@ -72,6 +72,57 @@ TEST(TrajectoryFile, RejectsInvalidPoses) {
   EXPECT_EQ(error("0 nan 2 3 0 0 0 1\n"), "a.tum:1: column 2: 'nan' is not a finite number");
 }
 
+TEST(TrajectoryFile, FourColumnsArePositions) {
+  const TemporaryFolder folder;
+  for (const auto& file : {folder.file("leica0/data.csv",
+                                       "#timestamp [ns], x [m], y [m], z [m]\n"
+                                       "1500000000,1,2,3\n2000000000,2,2,3\n"),
+                           folder.file("prism.txt", "# prism\n1.5 1 2 3\n2.0 2 2 3\n")}) {
+    const auto poses = read_trajectory(file);
+    ASSERT_EQ(poses.size(), 2u);
+    EXPECT_EQ(poses[0].stamp.ns, 1500000000);
+    EXPECT_EQ(poses[1].world_from_body.translation, Eigen::Vector3d(2, 2, 3));
+    EXPECT_FALSE(has_attitude(poses));
+  }
+}
+
+TEST(TrajectoryFile, IdentityInEveryRowIsNoAttitude) {
+  const TemporaryFolder folder;
+  const auto has = [&](const std::string& text) {
+    return has_attitude(read_trajectory(folder.file("a.tum", text)));
+  };
+  EXPECT_FALSE(has("0 1 2 3 0 0 0 1\n1 2 2 3 0 0 0 1\n"));
+  EXPECT_TRUE(has("0 1 2 3 0 0 0 1\n1 2 2 3 0 0 1e-6 1\n"));
+  EXPECT_TRUE(has("0 1 2 3 0.5 0.5 0.5 0.5\n1 2 2 3 0.5 0.5 0.5 0.5\n"));
+  EXPECT_EQ(read_positions(folder.file("b.tum", "0 1 2 3 0 0 0 0\n")).size(), 1u);
+}
+
+TEST(TrajectoryFile, ReadsWorldVelocities) {
+  const TemporaryFolder folder;
+  const auto velocities =
+      read_velocities(folder.file("v.csv", "time [s],vx [m/s],vy [m/s],vz [m/s]\n0.5,1,2,3\n"));
+  ASSERT_EQ(velocities.size(), 1u);
+  EXPECT_EQ(velocities[0].stamp.ns, 500000000);
+  EXPECT_EQ(velocities[0].velocity_in_world_m_s, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(TrajectoryFile, NamesTheUnitOfStampsThatAreNoSeconds) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& stamp) {
+    return input_error_of(
+        folder, [&] { (void)read_trajectory(folder.file("a.tum", stamp + " 1 2 3 0 0 0 1\n")); });
+  };
+  EXPECT_EQ(error("1403636579763555584.000000"),
+            "a.tum:1: time stamp '1403636579763555584.000000' is too large for seconds, but "
+            "plausible as nanoseconds; a file separated by blanks (TUM) has seconds: convert the "
+            "stamps");
+  EXPECT_NE(error("1403636579763555").find("plausible as microseconds"), std::string::npos);
+  EXPECT_NE(error("1403636579763.5").find("plausible as milliseconds"), std::string::npos);
+  EXPECT_NE(error("12345678901").find("milliseconds, microseconds or nanoseconds"),
+            std::string::npos);
+  EXPECT_EQ(error("x"), "a.tum:1: 'x' is not a time stamp");
+}
+
 TEST(TrajectoryFile, ReadsCameraTwists) {
   const TemporaryFolder folder;
   const auto twists =

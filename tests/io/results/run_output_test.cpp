@@ -70,14 +70,19 @@ TEST(RunOutput, HeaderNamesEveryColumn) {
 }
 
 TEST(RunOutput, SummaryCountsFramesAndHasNoNaN) {
-  std::vector<NavigationEstimate> estimates;
-  estimates.reserve(5);
-  for (int i = 0; i < 5; ++i) estimates.push_back(sample(i));
-  estimates.back().world_from_body.translation.x() = std::numeric_limits<double>::quiet_NaN();
+  RunTally tally;
+  for (int i = 0; i < 5; ++i) {
+    NavigationEstimate estimate = sample(i);
+    if (i == 4) {
+      estimate.world_from_body.translation.x() = std::numeric_limits<double>::quiet_NaN();
+    }
+    tally.add(estimate);
+  }
   const std::vector<float> frame_ms{5, 1, 4, 2, 3};
   const nlohmann::json summary =
-      run_summary(estimates, {.frames_read = 7, .frame_ms = frame_ms, .wall_s = 0.5}, nullptr);
+      run_summary(tally, {.frames_read = 7, .frame_ms = frame_ms, .wall_s = 0.5}, nullptr);
   EXPECT_EQ(summary["frames"], (nlohmann::json{{"read", 7}, {"used", 4}, {"rejected", 3}}));
+  EXPECT_DOUBLE_EQ(summary["availability_ratio"], 4.0 / 7);
   EXPECT_EQ(summary["verdicts"]["ok"], 3);
   EXPECT_EQ(summary["verdicts"]["frozen"], 1);
   EXPECT_EQ(summary["verdicts"]["horizon"], 0);
