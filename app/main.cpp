@@ -41,6 +41,7 @@ ExitCode run_command_line(int argc, char** argv) {
   stillkite::add_evaluate(app);
   stillkite::add_compare(app);
   stillkite::add_hover(app);
+  stillkite::add_batch(app);
   stillkite::add_config(app);
 
   const std::string first = argc > 1 ? argv[1] : "";
