@@ -44,6 +44,7 @@ ExitCode parse_and_run(int argc, char** argv, const std::string& version) {
   add_evaluate(app);
   add_compare(app);
   add_hover(app);
+  add_batch(app);
   add_config(app);
 
   const std::string first = argc > 1 ? argv[1] : "";

@@ -15,6 +15,7 @@ void add_simulate(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_hover(CLI::App& app);
+void add_batch(CLI::App& app);
 void add_config(CLI::App& app);
 
 }  // namespace stillkite

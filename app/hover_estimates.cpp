@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
+
+#include "evaluation/median_interval.hpp"
 
 namespace stillkite {
 namespace {
@@ -28,12 +30,9 @@ json rms_of(const std::vector<double>& values) {
   return mean.is_null() ? mean : json(std::sqrt(mean.get<double>()));
 }
 
-// Nearest-rank percentile.
-json percentile_95_of(std::vector<double> values) {
-  if (values.empty()) return nullptr;
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(0.95 * static_cast<double>(values.size()));
-  return values[static_cast<std::size_t>(rank) - 1];
+json percentile_95_of(const std::vector<double>& values) {
+  const std::optional<double> found = nearest_rank_quantile(values, 0.95);
+  return found ? json(*found) : json();
 }
 
 std::string scaled_or_dash(const json& value, double factor) {

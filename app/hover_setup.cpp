@@ -25,7 +25,10 @@ cv::Mat through_jpeg(const cv::Mat& grey, int quality) {
 
 HoverConfig load_hover_config(const std::optional<std::filesystem::path>& file,
                               const std::vector<std::string>& overrides) {
-  const ConfigNode root = read_config(file, overrides);
+  return bind_hover_config(read_config(file, overrides));
+}
+
+HoverConfig bind_hover_config(const ConfigNode& root) {
   HoverConfig config;
   if (root.find("plant_file") != nullptr) {
     const auto plant_file = bind_config<HoverConfig>(root).plant_file;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/variants.hpp"
+#include "io/config/config_node.hpp"
 #include "simulation/hover/hover_trial.hpp"
 
 namespace stillkite {
@@ -13,6 +14,9 @@ namespace stillkite {
 /// command line. Throws InputError as load_run_config.
 [[nodiscard]] HoverConfig load_hover_config(const std::optional<std::filesystem::path>& file,
                                             const std::vector<std::string>& overrides);
+
+/// Hover configuration of a document with its plant file.
+[[nodiscard]] HoverConfig bind_hover_config(const ConfigNode& root);
 
 /// Creates the scene and the video link's compression.
 [[nodiscard]] HoverWorld make_world(const HoverConfig& config);

@@ -50,12 +50,15 @@ std::vector<std::string> compared_estimators(const fs::path& comparison_json) {
 
 }  // namespace
 
+std::string flight_name(const fs::path& config) {
+  const fs::path folder = fs::absolute(config).lexically_normal().parent_path().filename();
+  return (config.filename() == "run.yaml" && !folder.empty() ? folder : config.stem()).string();
+}
+
 fs::path results_folder(const fs::path& requested, const fs::path& config) {
   if (!requested.empty()) return requested;
-  const fs::path flight = fs::absolute(config).lexically_normal().parent_path().filename();
-  const bool is_simulated_flight = config.filename() == "run.yaml" && !flight.empty();
   return fs::path("out") /
-         (is_simulated_flight ? "run-" + flight.string() : config.stem().string());
+         (config.filename() == "run.yaml" ? "run-" + flight_name(config) : flight_name(config));
 }
 
 std::vector<fs::path> inputs_of_run(const fs::path& config_file, const RunConfig& config) {

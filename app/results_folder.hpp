@@ -7,6 +7,10 @@
 
 namespace stillkite {
 
+/// Name of a configuration file without extension; of the run.yaml of a simulated flight its
+/// folder.
+[[nodiscard]] std::string flight_name(const std::filesystem::path& config);
+
 /// Requested folder, by default out/CONFIG; for the run.yaml of a simulated flight out/run-FLIGHT.
 [[nodiscard]] std::filesystem::path results_folder(const std::filesystem::path& requested,
                                                    const std::filesystem::path& config);

@@ -11,6 +11,7 @@
 #include "app/interrupt.hpp"
 #include "app/options.hpp"
 #include "app/progress_bar.hpp"
+#include "app/simulate_config.hpp"
 #include "io/config/config_binding.hpp"
 #include "io/config/config_node.hpp"
 #include "io/config/config_printing.hpp"
@@ -21,37 +22,9 @@
 
 namespace stillkite {
 
-/// Format of the simulated images.
-enum class ImageFormat { video, euroc };
-template <>
-struct EnumNames<ImageFormat> {
-  static constexpr auto value = std::to_array<std::pair<ImageFormat, std::string_view>>(
-      {{ImageFormat::video, "video"}, {ImageFormat::euroc, "euroc"}});
-};
-
 namespace {
 
 namespace fs = std::filesystem;
-
-struct OutputConfig {
-  ImageFormat format = ImageFormat::video;
-  EncoderConfig encoder{};
-
-  static void fields(auto& self, auto&& field) {
-    field("format", self.format, "video: one H.264 file; euroc: PNG images in EuRoC layout");
-    field("encoder", self.encoder, "encoder of the video");
-  }
-};
-
-struct SimulateConfig {
-  SimulationConfig simulation{};
-  OutputConfig output{};
-
-  static void fields(auto& self, auto&& field) {
-    SimulationConfig::fields(self.simulation, field);
-    field("output", self.output, "output files");
-  }
-};
 
 constexpr const char* kVideoName = "flight.mp4";
 

@@ -123,13 +123,19 @@ void check_policy(const std::string& name, Policy policy) {
   reject_name(name, fmt::format("has estimator.policy={}; use another name", name_of(policy)));
 }
 
+std::vector<Variant> variants_of(const ConfigNode& root, const std::vector<VariantName>& names) {
+  require_shared(names, kSharedSections);
+  return load_each<RunConfig>(names, {}, [&](const std::vector<std::string>& keys) {
+    ConfigNode document = root;
+    for (const std::string& key : keys) apply_override(document, key);
+    return bind_config<RunConfig>(document);
+  });
+}
+
 std::vector<Variant> load_variants(const std::filesystem::path& file,
                                    const std::vector<std::string>& overrides,
                                    const std::vector<VariantName>& names) {
-  require_shared(names, kSharedSections);
-  return load_each<RunConfig>(names, overrides, [&](const std::vector<std::string>& keys) {
-    return load_run_config(file, keys);
-  });
+  return variants_of(read_config(file, overrides), names);
 }
 
 }  // namespace stillkite

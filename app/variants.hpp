@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/config/config_node.hpp"
 #include "io/config/run_config.hpp"
 
 namespace stillkite {
@@ -65,8 +66,13 @@ template <typename Config, typename Load>
   return variants;
 }
 
+/// Binds a document once per name, with the variant's keys. Source, truth and output are common to
+/// all. Throws InputError as load_run_config.
+[[nodiscard]] std::vector<Variant> variants_of(const ConfigNode& root,
+                                               const std::vector<VariantName>& names);
+
 /// Loads the run configuration of a file once per name: command-line overrides, then the variant's
-/// keys. Source, truth and output are common to all. Throws InputError as load_run_config.
+/// keys, as variants_of.
 [[nodiscard]] std::vector<Variant> load_variants(const std::filesystem::path& file,
                                                  const std::vector<std::string>& overrides,
                                                  const std::vector<VariantName>& names);

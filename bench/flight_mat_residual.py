@@ -1,23 +1,22 @@
 #!/usr/bin/env python3
 """Error budget on flight_mat: truth, shutter, calibration and first climb.
 
-Runs configs/flight_mat.yaml with one change at a time and prints median absolute errors and
-correlations. Then estimates the height of the mat from optical flow and true velocities.
-STILLKITE_DATA names the folder with flight_mat.
+Reads the folder of the study bench/studies/flight_mat.yaml, one change of configs/flight_mat.yaml at
+a time, and prints median absolute errors and correlations. Then estimates the height of the mat from
+optical flow and true velocities. STILLKITE_DATA names the folder with flight_mat.
+
+  stillkite batch bench/studies/flight_mat.yaml && bench/flight_mat_residual.py out/flight_mat
 """
 
 import csv
 import math
 import os
 import pathlib
-import re
 import statistics
-import subprocess
 import sys
-import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-COMMAND = ROOT / "build/release/app/stillkite"
+from study_jobs import finished_jobs
+
 AXES = ("vx", "vy", "vz", "wx", "wy", "wz")
 FIRST_CLIMB = 200  # frames
 TRUTH_WINDOW = 5  # frames: 80 ms, fitting window of the motion capture
@@ -28,31 +27,10 @@ def read_rows(path):
         return [row for row in csv.reader(file) if row and not row[0].startswith("#")]
 
 
-def run(out, *changes):
+def estimates(results):
     """Rows of estimates.csv as dictionaries, one per frame."""
-    arguments = [COMMAND, "run", ROOT / "configs/flight_mat.yaml", "--out", out]
-    for change in changes:
-        arguments += ["--set", change]
-    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True)
-    if done.returncode != 0:
-        sys.exit(f"flight_mat_residual: {done.stderr.strip()}")
-    with open(out / "estimates.csv") as file:
+    with open(results / "estimates.csv") as file:
         return list(csv.DictReader(file))
-
-
-def smaller_focal_length(data, factor):
-    """Calibration of the data set as --set arguments, focal length times `factor`."""
-    text = (data / "mav0/cam0/sensor.yaml").read_text()
-
-    def numbers(key):
-        return [float(v) for v in re.search(key + r":\s*\[(.*?)\]", text).group(1).split(",")]
-
-    focal_x, focal_y, centre_x, centre_y = numbers("intrinsics")
-    width, height = numbers("resolution")
-    camera = {"width_px": int(width), "height_px": int(height), "focal_x_px": factor * focal_x,
-              "focal_y_px": factor * focal_y, "centre_x_px": centre_x, "centre_y_px": centre_y,
-              "distortion": "radial-tangential", "coefficients": numbers("distortion_coefficients")}
-    return [f"calibration.camera.{k}={v}" for k, v in camera.items()] + ["mount.rotation_wxyz=[1,0,0,0]"]
 
 
 def column(rows, axis):
@@ -127,7 +105,7 @@ def initial_mat_height(rows, poses, frames=range(20, 101)):
 
 
 def main():
-    if len(sys.argv) > 1:
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
         sys.exit(__doc__.strip())
     if "STILLKITE_DATA" not in os.environ:
         sys.exit("flight_mat_residual: STILLKITE_DATA is not set; set it to the folder with flight_mat")
@@ -136,17 +114,13 @@ def main():
     poses = {int(r[0]): float(r[3])
              for r in read_rows(data / "mav0/state_groundtruth_estimate0/data.csv")}
     print(f"{'':48}{'m/s':21}{'rad/s':21}{'correlation (v)':21}")
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "run"
-        configured = run(out)
-        print_row("as configured", configured, truth)
-        print_row("  from frame 200, after the first climb", configured, truth, FIRST_CLIMB)
-        print_row("truth: estimates averaged over 80 ms", averaged(configured, TRUTH_WINDOW), truth)
-        print_row("truth: mat at z = 0", run(out, "truth.ground_z_m=0"), truth)
-        print_row("images: global shutter", run(out, "navigator.readout_s=0"), truth)
-        for factor in (0.97, 1.03):
-            changed = run(out, *smaller_focal_length(data, factor))
-            print_row(f"calibration: focal length times {factor}", changed, truth)
+    runs = {job["configuration"]: estimates(results) for job, results in finished_jobs(sys.argv[1])}
+    configured = runs.pop("configured")
+    print_row("configured", configured, truth)
+    print_row("  from frame 200, after the first climb", configured, truth, FIRST_CLIMB)
+    print_row("  estimates averaged over 80 ms, as the truth", averaged(configured, TRUTH_WINDOW), truth)
+    for name, rows in runs.items():
+        print_row(name, rows, truth)
     print("\nheight c of the mat over the truth's z = 0, from true velocity = gain (z - c) x rate")
     for axis in AXES[:3]:
         height, gain = mat_height(configured, truth, poses, axis)

@@ -1,25 +1,27 @@
 #!/usr/bin/env python3
 """Consistency of the fused pose covariance in closed loop.
 
-Flies short trials of hover_conditions.py's conditions, one flight per axis and seed. Prints the NEES
-of the pose's six degrees of freedom at ten stamps, averaged over the seeds; 6 if consistent. Marks
-values outside the 99 % chi-square band: - below (pessimistic), + above (optimistic). Results that
-already exist in the output folder are reused.
+Reads the folder of a study of bench/studies/hover_conditions.yaml with short flights, one flight per
+axis and seed. Prints the NEES of the pose's six degrees of freedom at ten stamps, averaged over the
+seeds; 6 if consistent. Marks values outside the 99 % chi-square band: - below (pessimistic), + above
+(optimistic).
+
+  stillkite batch bench/studies/hover_conditions.yaml --only room --out out/consistency \\
+    --set 'seeds={first: 1001, count: 50}' --set settings.plant.station.level_reach_m=0.5 \\
+    --set settings.plant.station.vertical_reach_m=0.4
+  bench/hover_consistency.py out/consistency
 """
 
-import argparse
-import concurrent.futures
 import csv
+import itertools
 import math
-import os
-import pathlib
 import sys
 
-import hover_conditions
+from study_jobs import finished_jobs
 
 DEGREES_OF_FREEDOM = 6
 STAMPS_S = range(1, 11)
-SHORT = ["plant.station.level_reach_m=0.5", "plant.station.vertical_reach_m=0.4"]
+AXES = ("x", "y", "z")
 
 
 def band(count):
@@ -46,7 +48,7 @@ def print_table(condition, flights):
     print(f"{condition}, {len(flights)} seeds")
     print("  axis " + "".join(f"{stamp:>7} s" for stamp in STAMPS_S))
     inside = cells = 0
-    for trial, axis in enumerate(hover_conditions.AXES):
+    for trial, axis in enumerate(AXES):
         line = f"  {axis:5}"
         for stamp in STAMPS_S:
             values = [f[trial, stamp] for f in flights if (trial, stamp) in f]
@@ -63,39 +65,13 @@ def print_table(condition, flights):
     print(f"  band {low:.2f} to {high:.2f}: {inside} of {cells} values inside")
 
 
-def parse(arguments):
-    root = hover_conditions.ROOT
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--command", type=pathlib.Path, default=root / "build/release/app/stillkite",
-                        help="stillkite executable (default: build/release/app/stillkite)")
-    parser.add_argument("--out", type=pathlib.Path, default=root / "out/consistency",
-                        help="output folder (default: out/consistency); one per executable")
-    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(1001, 1051)),
-                        help="seeds (default: 1001 to 1050)")
-    parser.add_argument("--conditions", nargs="+", choices=hover_conditions.CONDITIONS,
-                        default=["room"], metavar="CONDITION",
-                        help=f"{', '.join(hover_conditions.CONDITIONS)} (default: room)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
-                        help="configuration key for all flights; use a separate output folder")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="parallel runs")
-    options = parser.parse_args(arguments)
-    options.set = SHORT + options.set
-    return options
-
-
 def main():
-    options = parse(sys.argv[1:])
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for condition in options.conditions:
-            list(pool.map(lambda seed: hover_conditions.fly(options, condition, "fused", seed),
-                          options.seeds))
-            print_table(condition, [nees_at_stamps(options.out / condition / f"fused-{seed}" / "estimates.csv")
-                                    for seed in options.seeds])
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
+        sys.exit(__doc__.strip())
+    jobs = finished_jobs(sys.argv[1])
+    for condition, flown in itertools.groupby(jobs, key=lambda pair: pair[0]["configuration"]):
+        print_table(condition, [nees_at_stamps(results / "estimates.csv") for _, results in flown])
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except (RuntimeError, KeyboardInterrupt, OSError) as error:
-        sys.exit(f"hover_consistency: {error}")
+    main()

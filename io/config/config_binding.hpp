@@ -36,7 +36,8 @@ template <typename Enum>
 template <ListsFields Config>
 void read_fields(const ConfigNode& map, const std::string& prefix, Config& config);
 
-/// Reads one value. Null resets an optional and is an error for any other type.
+/// Reads one value. Null resets an optional and is an error for any other type but ConfigNode,
+/// which receives the YAML value itself.
 template <typename T>
 void read_value(const ConfigNode& node, const std::string& key, const Range& range, T& value) {
   if constexpr (kIsOptional<T>) {
@@ -44,6 +45,8 @@ void read_value(const ConfigNode& node, const std::string& key, const Range& ran
     typename T::value_type inner = value.value_or(typename T::value_type{});
     read_value(node, key, range, inner);
     value = std::move(inner);
+  } else if constexpr (std::same_as<T, ConfigNode>) {
+    value = node;
   } else if constexpr (std::same_as<T, bool>) {
     value = read_flag(node, key);
   } else if constexpr (std::integral<T>) {

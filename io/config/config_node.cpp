@@ -114,6 +114,34 @@ void print_notices(const std::vector<std::string>& notices) {
   }
 }
 
+// Sets the value at a dotted path; creates missing groups of keys. Accepts renamed and removed keys.
+void set_value(ConfigNode& root, std::string_view path, ConfigNode value) {
+  ConfigNode* at = &root;
+  while (!path.empty()) {
+    if (at->kind != ConfigNode::Kind::map) {
+      *at = {.kind = ConfigNode::Kind::map, .origin = value.origin};
+    }
+    const std::size_t dot = path.find('.');
+    const std::string key(path.substr(0, dot));
+    path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
+    if (find_in(*at, key) == nullptr) at->entries.emplace_back(key, ConfigNode{});
+    at = find_in(*at, key);
+  }
+  *at = std::move(value);
+  print_notices(move_renamed_keys(root, "", true));
+  print_notices(drop_removed_keys(root, ""));
+}
+
+void apply_group(ConfigNode& root, const std::string& prefix, const ConfigNode& group) {
+  for (const auto& [key, value] : group.entries) {
+    if (value.kind == ConfigNode::Kind::map && !value.entries.empty()) {
+      apply_group(root, prefix + key + '.', value);
+      continue;
+    }
+    set_value(root, prefix + key, value);
+  }
+}
+
 }  // namespace
 
 std::string ConfigNode::where() const {
@@ -156,28 +184,19 @@ void apply_override(ConfigNode& root, const std::string& assignment) {
   if (equals == 0 || equals == std::string::npos) {
     throw InputError(origin + ": expected key=value, for example source.start_s=2.5");
   }
-  ConfigNode* at = &root;
-  std::string_view path(assignment.data(), equals);
-  while (!path.empty()) {
-    if (at->kind != ConfigNode::Kind::map) *at = {.kind = ConfigNode::Kind::map, .origin = origin};
-    const std::size_t dot = path.find('.');
-    const std::string key(path.substr(0, dot));
-    path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
-    if (find_in(*at, key) == nullptr) at->entries.emplace_back(key, ConfigNode{});
-    at = find_in(*at, key);
-  }
-  *at = parse_override_value(assignment.substr(equals + 1), origin);
+  set_value(root, std::string_view(assignment).substr(0, equals),
+            parse_override_value(assignment.substr(equals + 1), origin));
+}
+
+void apply_settings(ConfigNode& root, const ConfigNode& settings) {
+  apply_group(root, "", settings);
 }
 
 ConfigNode read_config(const std::optional<std::filesystem::path>& file,
                        const std::vector<std::string>& overrides) {
   ConfigNode root{.kind = ConfigNode::Kind::map};
   if (file) root = read_config_section(*file, "");
-  for (const std::string& assignment : overrides) {
-    apply_override(root, assignment);
-    print_notices(move_renamed_keys(root, "", true));
-    print_notices(drop_removed_keys(root, ""));
-  }
+  for (const std::string& assignment : overrides) apply_override(root, assignment);
   return root;
 }
 

@@ -40,9 +40,13 @@ struct ConfigNode {
 [[nodiscard]] ConfigNode read_yaml(const std::filesystem::path& file);
 
 /// Sets `key.path=value` in the document. The value is YAML if it begins with [ or {, else a
-/// scalar. Relative paths in it are relative to the current folder. Throws InputError without `=`
-/// or key.
+/// scalar. Relative paths in it are relative to the current folder. Prints a notice for a key that
+/// has been renamed (io/config/renamed_keys.hpp). Throws InputError without `=` or key.
 void apply_override(ConfigNode& root, const std::string& assignment);
+
+/// Sets each value of a group of keys in the document, as apply_override does: a key is a dotted
+/// path or a group of keys. Relative paths are relative to the file of `settings`.
+void apply_settings(ConfigNode& root, const ConfigNode& settings);
 
 /// Configuration file with overrides `key.path=value`; without a file, the overrides alone. Prints
 /// a notice for each key that has been renamed or removed (io/config/renamed_keys.hpp).

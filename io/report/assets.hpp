@@ -21,4 +21,8 @@ extern const std::string_view kComparisonMain;
 extern const std::string_view kComparisonStyle;
 extern const std::string_view kComparisonScript;
 
+extern const std::string_view kStudyMain;
+extern const std::string_view kStudyStyle;
+extern const std::string_view kStudyScript;
+
 }  // namespace stillkite::report_assets

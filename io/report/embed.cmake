@@ -24,11 +24,14 @@ embed_script(kReportScript ${common} flight.js headline.js charts.js path.js ver
 embed(kHoverMain ${FOLDER}/hover.html)
 embed(kHoverStyle ${FOLDER}/report.css ${FOLDER}/hover.css)
 embed_script(kHoverScript ${common} trials.js table_one.js displacement.js histogram.js heat_map.js
-             decisions.js replay_views.js replay.js trial_table.js hover_page.js)
+             decisions.js replay_views.js replay.js sortable_table.js trial_table.js hover_page.js)
 embed(kComparisonMain ${FOLDER}/comparison.html)
 embed(kComparisonStyle ${FOLDER}/report.css ${FOLDER}/comparison.css)
 embed_script(kComparisonScript ${common} compared.js comparison_table.js charts.js path.js verdicts.js
              comparison_page.js)
+embed(kStudyMain ${FOLDER}/study.html)
+embed(kStudyStyle ${FOLDER}/report.css ${FOLDER}/study.css)
+embed_script(kStudyScript data.js tables.js sortable_table.js study_figures.js study_page.js)
 embed(kDygraphs ${DYGRAPHS_JS})
 embed(kDygraphsStyle ${DYGRAPHS_CSS})
 file(APPEND ${OUTPUT} "}  // namespace stillkite::report_assets\n")

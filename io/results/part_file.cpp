@@ -96,9 +96,17 @@ void remove_stale_parts(const fs::path& file) {
   }
 }
 
-FolderLock::FolderLock(const fs::path& folder)
+FolderLock::FolderLock(const fs::path& folder, WhenLocked when_locked)
     : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  while (descriptor_ >= 0 && flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;
+  const int operation = LOCK_EX | (when_locked == WhenLocked::reject ? LOCK_NB : 0);
+  while (descriptor_ >= 0 && flock(descriptor_, operation) != 0) {
+    if (errno == EINTR) continue;
+    if (errno != EWOULDBLOCK) return;
+    close(descriptor_);
+    throw InputError(folder.string() +
+                     ": another process writes to this folder; wait for its end "
+                     "or choose another folder with --out");
+  }
 }
 
 FolderLock::~FolderLock() {

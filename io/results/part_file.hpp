@@ -31,11 +31,15 @@ class PartFile {
 /// Removes the part files of killed processes; those of running processes are locked and stay.
 void remove_stale_parts(const std::filesystem::path& file);
 
+enum class WhenLocked { wait, reject };
+
 /// Exclusive lock on a folder across processes, so that results of simultaneous runs do not mix. No
 /// effect on file systems without locks.
 class FolderLock {
  public:
-  explicit FolderLock(const std::filesystem::path& folder);
+  /// `reject`: throws InputError if another process has the lock.
+  explicit FolderLock(const std::filesystem::path& folder,
+                      WhenLocked when_locked = WhenLocked::wait);
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
   ~FolderLock();

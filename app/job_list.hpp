@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/study.hpp"
+
+namespace stillkite {
+
+/// One flight with one configuration and one seed.
+struct Job {
+  std::string id;  ///< FLIGHT[-CONFIGURATION][-SEED]; names its files
+  std::string flight;
+  std::string flight_group;
+  std::string configuration;
+  std::string seed;         ///< empty: the configuration's own
+  std::string config_yaml;  ///< effective configuration, independent of other YAML files
+  std::vector<std::filesystem::path> inputs;
+  /// Digest of subcommand, effective configuration, input files and program. A job whose results
+  /// carry it is finished.
+  std::string hash;
+};
+
+/// Files of a job in the folder of its study.
+struct JobFiles {
+  JobFiles(const std::filesystem::path& study_folder, const std::string& id);
+
+  std::filesystem::path config;    ///< jobs/ID.yaml
+  std::filesystem::path record;    ///< jobs/ID.json, written when the job ends
+  std::filesystem::path messages;  ///< jobs/ID.txt, its stderr
+  std::filesystem::path results;   ///< jobs/ID/
+};
+
+/// Jobs of a study, seeds innermost. `program`: digest of the executable. Throws InputError on an
+/// invalid configuration and on two jobs with the same ID.
+[[nodiscard]] std::vector<Job> make_jobs(const Study& study, const std::string& program);
+
+/// Arguments of this program for a job.
+[[nodiscard]] std::vector<std::string> arguments_of(const Study& study, const JobFiles& files);
+
+}  // namespace stillkite
