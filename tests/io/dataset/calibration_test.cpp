@@ -139,7 +139,7 @@ TEST(Calibration, ReadsOpencvWithFourFiveAndEightCoefficients) {
 TEST(Calibration, ReadsTheMountByEveryCommonName) {
   const Eigen::Vector3d expected(0.1, 0.8, 0.3);
   const auto tip = [](const std::string& text) -> Eigen::Vector3d {
-    return *parse(text).body_from_camera.value() * Eigen::Vector3d::UnitX();
+    return parse(text).body_from_camera.value() * Eigen::Vector3d::UnitX();
   };
   for (const char* name : {"T_BC", "T_SC", "T_imu_cam", "T_imu_cam0", "body_T_cam0", "body_T_cam",
                            "imu_T_cam", "T_i_c", "Tbc", "IMU.T_b_c1", "body_from_camera"}) {
