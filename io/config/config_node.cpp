@@ -114,7 +114,8 @@ void print_notices(const std::vector<std::string>& notices) {
   }
 }
 
-// Sets the value at a dotted path; creates missing groups of keys. Accepts renamed and removed keys.
+// Sets the value at a dotted path; creates missing groups of keys. Accepts renamed and removed
+// keys.
 void set_value(ConfigNode& root, std::string_view path, ConfigNode value) {
   ConfigNode* at = &root;
   while (!path.empty()) {

@@ -93,7 +93,8 @@ TEST(FeatureTracker, TracksSmallMotion) {
                {motion_about_centre(-0.02, 0.98, {2, 3}), 0.1}};
   for (const auto& at : cases) {
     tracker.set_reference(reference, corners(reference));
-    const TrackError error = error_of(tracker.track(analytic_frame(kImageSize, at.motion)), at.motion);
+    const TrackError error =
+        error_of(tracker.track(analytic_frame(kImageSize, at.motion)), at.motion);
     EXPECT_GT(error.found, 100);
     EXPECT_LT(error.max_px, at.allowed_px);
   }
@@ -125,7 +126,8 @@ TEST(FeatureTracker, CovarianceIsConsistentUnderWhiteNoise) {
   for (const double noise_grey : {1.0, 3.0, 6.0, 9.0}) {
     FeatureTracker tracker({});
     tracker.set_reference(noisy(clean.clone(), noise_grey), features);
-    const FeatureTracks& tracks = tracker.track(noisy(analytic_frame(kImageSize, motion), noise_grey));
+    const FeatureTracks& tracks =
+        tracker.track(noisy(analytic_frame(kImageSize, motion), noise_grey));
     ASSERT_GT(tracks.found_count, 100);
     EXPECT_GT(chi_square(tracks, motion), 0.8) << noise_grey;
     EXPECT_LT(chi_square(tracks, motion), 1.3) << noise_grey;
