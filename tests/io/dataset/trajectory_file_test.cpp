@@ -120,7 +120,7 @@ TEST(TrajectoryFile, NamesTheUnitOfStampsThatAreNoSeconds) {
   EXPECT_NE(error("1403636579763.5").find("plausible as milliseconds"), std::string::npos);
   EXPECT_NE(error("12345678901").find("milliseconds, microseconds or nanoseconds"),
             std::string::npos);
-  EXPECT_EQ(error("x"), "a.tum:1: 'x' is not a time stamp");
+  EXPECT_EQ(error("0x1"), "a.tum:1: '0x1' is not a time stamp");
 }
 
 TEST(TrajectoryFile, ReadsCameraTwists) {
