@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -86,8 +87,9 @@ TimeSeries<Eigen::Vector3d> read_body_rates(const AxesLogConfig& config,
   return rates;
 }
 
+// A sensor.yaml states the noise at rest: it raises the defaults, which include vibration.
 void read_body_imu(const ImuLogConfig& config, std::optional<double> timeshift_cam_imu_s,
-                   SensorLog& log) {
+                   const FusionConfig& defaults, SensorLog& log) {
   const TimeSeries<Vector6d> all = read_imu(*config.path);
   log.imu = reject_imu_outliers(all);
   log.rejected_imu_readings = all.stamps.size() - log.imu.stamps.size();
@@ -104,13 +106,15 @@ void read_body_imu(const ImuLogConfig& config, std::optional<double> timeshift_c
   log.imu_noise = config.noise;
   if (!description) return;
   log.imu_lever_arm_m = description->body_from_sensor.translation.norm();
-  const auto set_default = [](std::optional<double>& value, std::optional<double> by_file) {
-    if (!value) value = by_file;
+  const auto raise = [](std::optional<double>& value, std::optional<double> by_file,
+                        double at_least) {
+    if (!value && by_file) value = std::max(*by_file, at_least);
   };
-  set_default(log.imu_noise.gyro_density, description->noise.gyro_density);
-  set_default(log.imu_noise.gyro_bias_walk, description->noise.gyro_bias_walk);
-  set_default(log.imu_noise.accel_density, description->noise.accel_density);
-  set_default(log.imu_noise.accel_bias_walk, description->noise.accel_bias_walk);
+  const ImuNoiseConfig& noise = description->noise;
+  raise(log.imu_noise.gyro_density, noise.gyro_density, defaults.gyro_density);
+  raise(log.imu_noise.gyro_bias_walk, noise.gyro_bias_walk, defaults.gyro_bias_walk);
+  raise(log.imu_noise.accel_density, noise.accel_density, defaults.accel_density);
+  raise(log.imu_noise.accel_bias_walk, noise.accel_bias_walk, defaults.accel_bias_walk);
 }
 
 // world_from_body = world_from_sensor sensor_from_body
@@ -142,7 +146,9 @@ SensorLog read_sensors(const RunConfig& config, std::optional<double> timeshift_
   if (config.gyro.path) {
     log.angular_rate_in_body_rad_s = read_body_rates(config.gyro, timeshift_cam_imu_s);
   }
-  if (config.imu.path) read_body_imu(config.imu, timeshift_cam_imu_s, log);
+  if (config.imu.path) {
+    read_body_imu(config.imu, timeshift_cam_imu_s, config.navigator.fusion, log);
+  }
   if (config.attitude.path) log.attitude = read_body_attitudes(config.attitude);
   if (config.acceleration.path) {
     log.acceleration = read_accelerations(*config.acceleration.path);

@@ -204,15 +204,17 @@ TEST_F(Inputs, SensorLogsAreInTheAxesOfTheBody) {
   config.imu.rotation_wxyz.reset();
   folder.write("imu0/sensor.yaml", R"(sensor_type: imu
 T_BS: {rows: 4, cols: 4, data: [0, 0, 1, 0.1, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1]}
-gyroscope_noise_density: 2e-4
+gyroscope_noise_density: 2e-3
+accelerometer_noise_density: 1e-3
 accelerometer_random_walk: 4e-3
 )");
   const SensorLog by_file = read().sensors;
   EXPECT_LT((by_file.imu.values[0] - expected).norm(), 1e-9);
   EXPECT_DOUBLE_EQ(by_file.imu_lever_arm_m, 0.1);
-  EXPECT_EQ(by_file.imu_noise.gyro_density, 2e-4);
+  EXPECT_EQ(by_file.imu_noise.gyro_density, 2e-3);
   EXPECT_EQ(by_file.imu_noise.accel_bias_walk, 4e-3);
-  EXPECT_FALSE(by_file.imu_noise.accel_density.has_value());
+  EXPECT_EQ(by_file.imu_noise.accel_density, FusionConfig{}.accel_density) << "at rest";
+  EXPECT_FALSE(by_file.imu_noise.gyro_bias_walk.has_value());
   config.imu.noise.gyro_density = 1e-3;
   EXPECT_EQ(read().sensors.imu_noise.gyro_density, 1e-3);
   folder.write("imu0/sensor.yaml", "sensor_type: imu\ntime_offset: 0.01\n");
