@@ -202,8 +202,8 @@ std::string clock_description(const ClockOffset& clock) {
 
 std::optional<std::string> gyro_inconsistency(const TimeSeries<Vector3d>& gyro,
                                               std::span<const ObservedRotation> observed) {
-  constexpr int kMinPairs = 30;
-  constexpr double kMinRate_rad_s = 1 * kDegree;
+  constexpr int kMinPairs = 10;  // 1 s at least
+  constexpr double kMinRate_rad_s = 0.5 * kDegree;
   constexpr double kConsistentFraction = 0.5, kMinExplainedFraction = 0.6, kMinEnergyRatio = 0.01;
   constexpr double kMinOffset_s = 0.015, kMinOffsetSigmas = 6;
   const GyroIntegral sum(gyro);
