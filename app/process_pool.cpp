@@ -106,7 +106,7 @@ class Children {
     for (const auto& [pid, child] : running_) {
       Ended ended{.child = child};
       if (waitpid(pid, &ended.status, WNOHANG) != pid) continue;
-      running_.erase(pid);
+      running_.erase(pid_t{pid});  // not by a reference into the erased entry
       return ended;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

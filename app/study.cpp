@@ -4,6 +4,8 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cstdint>
 
 #include "app/results_folder.hpp"
 #include "io/config/config_binding.hpp"
