@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flow/frame.hpp"
 #include "geometry/angle.hpp"
+#include "navigation/navigation_estimate.hpp"
+#include "navigation/pilot_step.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite::bench {
@@ -101,14 +104,14 @@ void OpenCvMethod::run(const cv::Mat& reference, const HoverInstant& instant) {
 void WarmPilot::start(const cv::Mat& reference, double height_m) {
   setup_.height_m = height_m;
   pilot_.emplace(make_pilot(setup_));
-  (void)pilot_->step({.stamp = from_seconds(0), .index = 0, .grey = reference}, {});
+  (void)pilot_->step(Frame{.stamp = from_seconds(0), .index = 0, .grey = reference}, {});
 }
 
 PilotStep WarmPilot::step(const HoverInstant& instant) {
   TetheredReadings readings = instant.tethered;
   if (setup_.policy == Policy::fused) readings.sensors = instant.imu;
-  return pilot_->step({.stamp = readings.now, .index = instant.index, .grey = instant.view.grey},
-                      readings);
+  return pilot_->step(
+      Frame{.stamp = readings.now, .index = instant.index, .grey = instant.view.grey}, readings);
 }
 
 void WarmPilot::warm_up(const HoverInstant& instant) {
@@ -131,11 +134,12 @@ void WarmPilot::run(const HoverInstant& instant) {
 void ColdPilot::run(const cv::Mat& reference, const HoverInstant& instant) {
   HoverPilot pilot = make_pilot(setup_);
   ProcessorWatch watch;
-  (void)pilot.step({.stamp = from_seconds(0), .index = 0, .grey = reference}, {});
+  (void)pilot.step(Frame{.stamp = from_seconds(0), .index = 0, .grey = reference}, {});
   row_.ms["reference"].push_back(watch.lap_ms());
   StopWatch wall;
-  const PilotStep result = pilot.step(
-      {.stamp = from_seconds(1.0 / 30), .index = 1, .grey = instant.view.grey}, instant.tethered);
+  const PilotStep result =
+      pilot.step(Frame{.stamp = from_seconds(1.0 / 30), .index = 1, .grey = instant.view.grey},
+                 instant.tethered);
   record(row_, result, watch.lap_ms(), wall.lap_ms(), instant.reference_from_camera);
 }
 
