@@ -43,15 +43,16 @@ struct ImuNoiseConfig {
   std::optional<double> accel_bias_walk;
 
   static void fields(auto& self, auto&& field) {
-    field("gyro_density", self.gyro_density, Range{1e-9, 1e9},
-          "white noise, rad/s/sqrt(Hz); default: sensor.yaml beside the log, else "
-          "fusion.gyro_density");
+    field(
+        "gyro_density", self.gyro_density, Range{1e-9, 1e9},
+        "white noise, rad/s/sqrt(Hz); default: fusion.gyro_density, or of a sensor.yaml beside the "
+        "log if that is larger");
     field("gyro_bias_walk", self.gyro_bias_walk, Range{0, 1e9},
-          "rad/s^2/sqrt(Hz); default as above, fusion.gyro_bias_walk");
+          "rad/s^2/sqrt(Hz); default as above, of fusion.gyro_bias_walk");
     field("accel_density", self.accel_density, Range{1e-9, 1e9},
-          "white noise, m/s^2/sqrt(Hz); default as above, fusion.accel_density");
+          "white noise, m/s^2/sqrt(Hz); default as above, of fusion.accel_density");
     field("accel_bias_walk", self.accel_bias_walk, Range{0, 1e9},
-          "m/s^3/sqrt(Hz); default as above, fusion.accel_bias_walk");
+          "m/s^3/sqrt(Hz); default as above, of fusion.accel_bias_walk");
   }
 };
 
