@@ -124,8 +124,8 @@ TEST(GyroCheck, DetectsGyroscopeWithoutSignal) {
 
 TEST(GyroCheck, IgnoresSmallRotations) {
   Flight f = flight();
-  for (ObservedRotation& rotation : f.observed) rotation.rotation_in_body_rad *= 0.05;
-  for (Vector3d& rate : f.gyro.values) rate *= -0.05;
+  for (ObservedRotation& rotation : f.observed) rotation.rotation_in_body_rad *= 0.02;
+  for (Vector3d& rate : f.gyro.values) rate *= -0.02;
   EXPECT_EQ(message(f), "");
 }
 
