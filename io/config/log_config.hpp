@@ -30,7 +30,7 @@ struct AxesLogConfig : LogConfig {
   static void fields(auto& self, auto&& field) {
     LogConfig::fields(self, field);
     field("rotation_wxyz", self.rotation_wxyz,
-          "quaternion body from sensor; default: T_BS of a sensor.yaml of an IMU beside the log, "
+          "quaternion body from sensor; default: T_BS of an IMU's sensor.yaml next to the log, "
           "else no rotation");
   }
 };
@@ -43,10 +43,9 @@ struct ImuNoiseConfig {
   std::optional<double> accel_bias_walk;
 
   static void fields(auto& self, auto&& field) {
-    field(
-        "gyro_density", self.gyro_density, Range{1e-9, 1e9},
-        "white noise, rad/s/sqrt(Hz); default: fusion.gyro_density, or of a sensor.yaml beside the "
-        "log if that is larger");
+    field("gyro_density", self.gyro_density, Range{1e-9, 1e9},
+          "white noise, rad/s/sqrt(Hz); default: fusion.gyro_density, or that of the log's "
+          "sensor.yaml if larger");
     field("gyro_bias_walk", self.gyro_bias_walk, Range{0, 1e9},
           "rad/s^2/sqrt(Hz); default as above, of fusion.gyro_bias_walk");
     field("accel_density", self.accel_density, Range{1e-9, 1e9},

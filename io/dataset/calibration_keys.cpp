@@ -147,7 +147,7 @@ MountKey mount_key(std::string_view name) {
   const auto is_one_of = [](const std::string& frame, const auto& names) {
     return std::ranges::find(names, frame) != names.end();
   };
-  // S is EuRoC's sensor (the camera) beside B, OKVIS's sensor (the IMU) beside C.
+  // S is the camera in EuRoC's T_BS and the IMU in OKVIS's T_SC.
   const auto is_body = [&](const std::string& frame, const std::string& other) {
     return is_one_of(frame, kBody) || (frame == "s" && is_one_of(other, kCamera));
   };

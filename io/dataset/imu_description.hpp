@@ -14,7 +14,7 @@ struct ImuDescription {
   ImuNoiseConfig noise;
 };
 
-/// EuRoC's imu0/sensor.yaml beside the log; nullopt if the folder has none, or that of another
+/// EuRoC's imu0/sensor.yaml in the log's folder; nullopt if the folder has none, or that of another
 /// sensor. Throws InputError on an invalid value and on a clock offset, which it cannot hold.
 [[nodiscard]] std::optional<ImuDescription> read_imu_description(const std::filesystem::path& log);
 

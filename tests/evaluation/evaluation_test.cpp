@@ -121,7 +121,7 @@ TEST(Evaluate, ScalesVelocitiesWithSim3) {
   EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-9);
 }
 
-// Exact estimate of a flight with 0.5 rad/s of yaw; the truth's attitude is a placeholder.
+// Exact estimate of a flight with 0.5 rad/s of yaw; the truth has no attitude.
 TEST(Evaluate, DoesNotJudgeAttitudeWithATruthOfPositions) {
   std::vector<EvaluatedMotion> estimates;
   Truth truth;

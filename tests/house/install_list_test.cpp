@@ -30,7 +30,7 @@ std::set<std::string> matches(const std::string& text, const std::regex& pattern
   return found;
 }
 
-// Beside the public header.
+// In addition to the public header.
 std::set<std::string> installed_headers() {
   return matches(read("cmake/stillkite_install.cmake"), std::regex(R"(\n  ([a-z0-9_/]+\.hpp))"));
 }
