@@ -41,7 +41,12 @@ function(stillkite_test NAME)
   stillkite_compile_options(${NAME})
   target_precompile_headers(${NAME} REUSE_FROM stillkite_precompiled_tests)
   list(JOIN ARG_SLOW ":" slow)
-  if(slow)
+  if(STILLKITE_SANITIZE)
+    stillkite_add_whole_test(${NAME} "-${slow}")
+    if(slow)
+      stillkite_add_whole_test(${NAME}_slow "${slow}" LABELS slow)
+    endif()
+  elseif(slow)
     gtest_discover_tests(${NAME} TEST_FILTER "-${slow}" TEST_LIST ${NAME}_FAST
                          DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
     gtest_discover_tests(${NAME} TEST_FILTER "${slow}" TEST_LIST ${NAME}_SLOW
@@ -49,4 +54,13 @@ function(stillkite_test NAME)
   else()
     gtest_discover_tests(${NAME} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
   endif()
+endfunction()
+
+# The cases of a program in one process: under sanitizers a start takes half a second.
+function(stillkite_add_whole_test NAME FILTER)
+  string(REGEX REPLACE "_slow$" "" program ${NAME})
+  add_test(NAME ${NAME} COMMAND ${program} --gtest_brief=1 --gtest_filter=${FILTER})
+  set_tests_properties(${NAME} PROPERTIES
+    TIMEOUT 3600 ${ARGN}
+    ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leak_suppressions.txt:print_suppressions=0)
 endfunction()
