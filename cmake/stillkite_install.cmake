@@ -28,6 +28,7 @@ set(STILLKITE_INCLUDED_HEADERS
   geometry/image_view.hpp
   geometry/median.hpp
   geometry/rigid_transform.hpp
+  geometry/stamp_filter.hpp
   geometry/time.hpp
   navigation/estimate.hpp
   navigation/hover_pilot.hpp

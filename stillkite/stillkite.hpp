@@ -9,6 +9,7 @@
 #include "geometry/camera.hpp"              // Camera: lens model, image size
 #include "geometry/image_view.hpp"          // ImageView: grey image in the caller's memory
 #include "geometry/rigid_transform.hpp"     // RigidTransform
+#include "geometry/stamp_filter.hpp"        // StampFilter: stamps of arrival to times of exposure
 #include "geometry/time.hpp"                // Timestamp
 #include "navigation/estimate.hpp"          // Estimate: result of one image
 #include "navigation/hover_pilot.hpp"       // HoverPilot: navigator and hold controller in one step

@@ -1,0 +1,186 @@
+#include "geometry/stamp_filter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "geometry/time_filter.hpp"
+
+namespace stillkite {
+namespace {
+
+constexpr std::size_t kWindow = 128;
+constexpr std::size_t kMinStamps = 3;  // two determine time and period
+// Jitter and irregular intervals differ in the correlation of neighbouring intervals, -1/2 or 0:
+// two standard errors of 16 intervals.
+constexpr std::size_t kMinSmoothed = 17;
+
+// A ratio q of the variances makes a filter of 1 / sqrt(q) frames.
+constexpr auto kRatios = std::to_array<VarianceRatio>(
+    {{0, 1}, {1e-4, 1}, {1e-3, 1}, {1e-2, 1}, {0.1, 1}, {1, 1}, {10, 1}, {1, 0}});
+
+double square(double x) {
+  return x * x;
+}
+
+double median_interval_s(std::span<const Timestamp> stamps) {
+  std::array<double, kWindow> intervals_s;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    intervals_s.at(i - 1) = seconds_between(stamps[i - 1], stamps[i]);
+  }
+  const std::span intervals = std::span(intervals_s).first(stamps.size() - 1);
+  const auto middle = intervals.begin() + std::ssize(intervals) / 2;
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  return *middle;
+}
+
+// Number of periods from each stamp of a window to the next: more than one after missed frames. A
+// stamp that is late alone follows no missed frame: one of the next stamps is on time.
+class PeriodCounts {
+ public:
+  explicit PeriodCounts(std::span<const Timestamp> stamps)
+      : stamps_(stamps), median_s_(median_interval_s(stamps)) {
+    const double first_s = at_s(1);
+    counts_.push_back(std::max(1.0, std::round(first_s / median_s_)));
+    TimeFilter regular(kRatios[0], first_s, counts_.back());
+    for (std::size_t i = 2; i < stamps.size(); ++i) {
+      counts_.push_back(count_to(i, regular));
+      regular.update(at_s(i), counts_.back());
+    }
+  }
+
+  [[nodiscard]] double operator[](std::size_t i) const { return counts_[i]; }
+
+  // Variance of the last count, by how often such a stamp turned out to be late.
+  [[nodiscard]] double last_variance() const {
+    const double late = static_cast<double>(late_) / std::max(late_ + missed_, 1);
+    return late * (1 - late) * square(last_missed_);
+  }
+
+ private:
+  [[nodiscard]] double at_s(std::size_t i) const { return seconds_between(stamps_[0], stamps_[i]); }
+
+  double count_to(std::size_t i, const TimeFilter& regular) {
+    constexpr std::size_t kNext = 4;
+    const auto count = [&](std::size_t j) {
+      const double periods = (at_s(j) - regular.time_s()) / median_s_;
+      return std::max(1.0, std::round(periods) - static_cast<double>(j - i));
+    };
+    const double first = count(i);
+    last_missed_ = first - 1;
+    if (i + 1 == stamps_.size()) return late_ > missed_ ? 1 : first;
+    double least = first;
+    const std::size_t end = std::min(i + 1 + kNext, stamps_.size());
+    for (std::size_t j = i + 1; j < end; ++j) least = std::min(least, count(j));
+    if (first > 1) ++(least < first ? late_ : missed_);
+    return least;
+  }
+
+  std::span<const Timestamp> stamps_;
+  double median_s_;
+  std::vector<double> counts_;
+  int late_ = 0, missed_ = 0;
+  double last_missed_ = 0;  // by the last stamp alone
+};
+
+std::vector<TimeFilter> filters_of(std::span<const Timestamp> stamps, const PeriodCounts& counts) {
+  std::vector<TimeFilter> filters;
+  for (const VarianceRatio& ratio : kRatios) {
+    TimeFilter& filter =
+        filters.emplace_back(ratio, seconds_between(stamps[0], stamps[1]), counts[0]);
+    for (std::size_t i = 2; i < stamps.size(); ++i) {
+      filter.update(seconds_between(stamps[0], stamps[i]), counts[i - 1]);
+    }
+  }
+  return filters;
+}
+
+// Step to which stamps are rounded, as a variance: uniform.
+double rounding_variance(double resolution_s) {
+  return square(resolution_s) / 12;
+}
+
+}  // namespace
+
+StampFilter::StampFilter(double resolution_s)
+    : resolution_s_(resolution_s),
+      hypotheses_(kRatios.size(), {.weight = 1.0 / kRatios.size(), .scale_s2 = 0}) {}
+
+void StampFilter::learn(std::span<const Timestamp> stamps) {
+  stamps = stamps.first(std::min(stamps.size(), kWindow));
+  if (stamps.size() < kMinStamps) return;
+  learn(filters_of(stamps, PeriodCounts(stamps)), stamps.size());
+}
+
+void StampFilter::learn(const std::vector<TimeFilter>& filters, std::size_t stamps) {
+  double best = filters[0].log_likelihood();
+  for (const TimeFilter& filter : filters) best = std::max(best, filter.log_likelihood());
+  double sum = 0;
+  for (const TimeFilter& filter : filters) sum += std::exp(filter.log_likelihood() - best);
+  for (std::size_t i = 0; i < filters.size(); ++i) {
+    hypotheses_[i] = {.weight = std::exp(filters[i].log_likelihood() - best) / sum,
+                      .scale_s2 = filters[i].scale_s2()};
+  }
+  learned_from_ = stamps;
+}
+
+FilteredStamp StampFilter::next(Timestamp stamp) {
+  constexpr double kNegligibleRatio = 1e-3, kMinStepRatio = 0.1;
+  if (window_.size() == kWindow) window_.erase(window_.begin());
+  window_.push_back(stamp);
+  const std::optional<Timestamp> before = std::exchange(last_, stamp);
+  if (!before) return {.stamp = stamp};
+  const PeriodCounts counts(window_);
+  const std::vector<TimeFilter> filters = filters_of(window_, counts);
+  if (window_.size() > learned_from_ && window_.size() >= kMinStamps) {
+    learn(filters, window_.size());
+  }
+  set_jitter(filters);
+  if (jitter_s_ * std::numbers::sqrt2 < kNegligibleRatio * period_s_) jitter_s_ = 0;
+  if (jitter_s_ == 0 && *before < stamp) return {.stamp = stamp};
+
+  double time_s = seconds_between(window_[0], stamp);
+  if (learned_from_ >= kMinSmoothed) {
+    time_s = 0;
+    for (std::size_t i = 0; i < filters.size(); ++i) {
+      time_s += hypotheses_[i].weight * filters[i].time_s();
+    }
+  }
+  const double before_s = seconds_between(window_[0], *before);
+  time_s = std::max(time_s, before_s + kMinStepRatio * period_s_);
+  last_ = Timestamp{window_[0].ns + std::llround(1e9 * time_s)};
+  const double variance_s2 =
+      step_variance(filters, time_s - before_s) + counts.last_variance() * square(period_s_);
+  return {.stamp = *last_, .sigma_s = std::sqrt(variance_s2 / 2)};
+}
+
+void StampFilter::set_jitter(const std::vector<TimeFilter>& filters) {
+  double variance_s2 = 0;
+  period_s_ = 0;
+  for (std::size_t i = 0; i < filters.size(); ++i) {
+    const Hypothesis& hypothesis = hypotheses_[i];
+    period_s_ += hypothesis.weight * filters[i].period_s();
+    variance_s2 += hypothesis.weight * std::max(filters[i].jitter() * hypothesis.scale_s2,
+                                                rounding_variance(resolution_s_));
+  }
+  jitter_s_ = std::sqrt(variance_s2);
+}
+
+// Variance of a step that was made, under all hypotheses.
+double StampFilter::step_variance(const std::vector<TimeFilter>& filters, double step_s) const {
+  const double rounding_s2 = rounding_variance(resolution_s_);
+  double variance_s2 = 0;
+  for (std::size_t i = 0; i < filters.size(); ++i) {
+    const double jitter = filters[i].jitter();
+    const double scale_s2 = hypotheses_[i].scale_s2;
+    const double own_s2 =
+        jitter > 0 ? filters[i].step_variance() * std::max(scale_s2, rounding_s2 / jitter)
+                   : filters[i].step_variance() * scale_s2 + 2 * rounding_s2;
+    variance_s2 += hypotheses_[i].weight * (own_s2 + square(step_s - filters[i].step_s()));
+  }
+  return variance_s2;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/time.hpp"
+
+namespace stillkite {
+
+class TimeFilter;
+
+/// Stamp with its error.
+struct FilteredStamp {
+  Timestamp stamp;
+  /// Standard deviation of the part of the error that changes from stamp to stamp: an interval's
+  /// error has the variance 2 sigma_s^2. A constant part is a clock offset.
+  double sigma_s = 0;
+};
+
+/// Estimates the true times behind jittering stamps (arrival, rounding), live.
+///
+/// Model: time t_k = t_(k-1) + m T + w_k with constant period T, m > 1 after missed frames; stamp
+/// s_k = t_k + e_k; w and e are white. The ratio var(w) / var(e) is unknown: one Kalman filter of
+/// (t, T) for each of several ratios, from a regular camera with jitter (0) to an irregular camera
+/// with exact stamps (infinity), weighted by the likelihood of the last 128 stamps (static
+/// multiple-model estimator, Bar-Shalom et al. 2001, section 11.6.2; the scale of the variances is
+/// integrated out).
+///
+/// Stamps whose error changes an interval by less than 0.1 % are returned as they are, with sigma
+/// 0: focal lengths, to which velocities are proportional as well, are known no better.
+class StampFilter {
+ public:
+  /// `resolution_s`: step to which the stamps are rounded; 0: unknown.
+  explicit StampFilter(double resolution_s = 0);
+
+  /// First stamps of a stream, where they are known in advance.
+  void learn(std::span<const Timestamp> stamps);
+
+  /// `stamp`: later than the one before. The returned stamps ascend. The first 16 of a stream that
+  /// is not known in advance are returned as they are, with the sigma of their jitter so far.
+  FilteredStamp next(Timestamp stamp);
+
+  /// Standard deviation of the jitter of the given stamps; 0 if they are returned as they are.
+  [[nodiscard]] double jitter_s() const { return jitter_s_; }
+  [[nodiscard]] double resolution_s() const { return resolution_s_; }
+  /// Mean interval of the last stamps without missed ones; 0 below two stamps.
+  [[nodiscard]] double period_s() const { return period_s_; }
+
+ private:
+  struct Hypothesis {
+    double weight = 0;
+    double scale_s2 = 0;  // of the filter's variances
+  };
+
+  void learn(const std::vector<TimeFilter>& filters, std::size_t stamps);
+  void set_jitter(const std::vector<TimeFilter>& filters);
+  [[nodiscard]] double step_variance(const std::vector<TimeFilter>& filters, double step_s) const;
+
+  double resolution_s_;
+  double jitter_s_ = 0, period_s_ = 0;
+  std::vector<Hypothesis> hypotheses_;  // of each ratio
+  std::size_t learned_from_ = 0;        // stamps
+  std::vector<Timestamp> window_;       // last stamps, as given
+  std::optional<Timestamp> last_;       // as returned
+};
+
+}  // namespace stillkite
