@@ -16,6 +16,7 @@ struct Frame {
   std::int64_t index = 0;  ///< in the source, counting rejected frames
   cv::Mat grey;
   std::shared_ptr<const ImageMask> mask;  ///< null: all pixels are valid
+  double stamp_sigma_s = 0;               ///< jitter of the stamp, as FilteredStamp::sigma_s
 };
 
 }  // namespace stillkite

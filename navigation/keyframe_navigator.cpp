@@ -49,6 +49,15 @@ Matrix6d scale_error_covariance(const PoseEstimate& camera, const Twist& twist) 
   return speed * camera.covariance(2, 2) * speed.transpose();
 }
 
+// Pose covariance of an error of the stamp.
+Matrix6d stamp_error_covariance(const PoseEstimate& camera, const Twist& twist_in_camera,
+                                double stamp_sigma_s) {
+  const Eigen::Quaterniond& rotation = camera.world_from_camera.rotation;
+  Vector6d error;
+  error << rotation * twist_in_camera.velocity_m_s, rotation * twist_in_camera.angular_rate_rad_s;
+  return stamp_sigma_s * stamp_sigma_s * error * error.transpose();
+}
+
 FlowQuality quality_of(const PlaneAlignment& alignment) {
   return {.flow_vectors = alignment.tiles,
           .inlier_ratio = alignment.inlier_ratio,
@@ -88,7 +97,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   // 5. Chain it to the keyframe, level both by the plane's normal, and filter; or coast.
   if (verdict == Verdict::ok) {
     view_ = make_view(alignment, hints.normal);
-    track_.update(alignment, readings, frame.stamp);
+    track_.update(alignment, readings, frame.stamp, frame.stamp_sigma_s);
     // a keyframe taken before the velocity converged needs it for its rolling shutter
     if (is_speed_initializing()) {
       track_.set_keyframe_twist(track_.filter().twist_in_camera());
@@ -336,8 +345,9 @@ void KeyframeNavigator::take_keyframe() {
 }
 
 NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict) const {
-  const PoseEstimate& camera = track_.camera();
+  PoseEstimate camera = track_.camera();
   const Twist twist_in_camera = track_.filter().mean_twist_in_camera();
+  camera.covariance += stamp_error_covariance(camera, twist_in_camera, frame.stamp_sigma_s);
   return make_estimate(
       frame, body_from_camera_,
       {.verdict = verdict,

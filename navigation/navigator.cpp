@@ -107,9 +107,11 @@ Navigator::~Navigator() = default;
 Navigator::Navigator(Navigator&&) noexcept = default;
 Navigator& Navigator::operator=(Navigator&&) noexcept = default;
 
-Estimate Navigator::step(const ImageView& image, Timestamp stamp, const SensorReadings& readings) {
-  return public_estimate(step(state_->copies.copy(image, stamp), readings),
-                         state_->body_from_camera);
+Estimate Navigator::step(const ImageView& image, Timestamp stamp, const SensorReadings& readings,
+                         double stamp_sigma_s) {
+  Frame frame = state_->copies.copy(image, stamp);
+  frame.stamp_sigma_s = stamp_sigma_s;
+  return public_estimate(step(frame, readings), state_->body_from_camera);
 }
 
 // The estimation steps are in the method's `step`: KeyframeNavigator, PaperNavigator,

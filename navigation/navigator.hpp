@@ -35,11 +35,13 @@ class Navigator {
   Navigator& operator=(Navigator&&) noexcept;
 
   /// Estimates the state at `stamp`, the exposure of the image's middle row. `readings`: sensors
-  /// since the previous image. The pixels are copied.
+  /// since the previous image. The pixels are copied. Stamps of arrival jitter: filter them by
+  /// StampFilter, and pass its sigma, which enters the covariances.
   /// An unusable image does not throw: its verdict names the cause, and the predicted state is
   /// returned with a larger covariance. Throws InputError on null data, a stride below the width,
   /// or another size than the camera's.
-  Estimate step(const ImageView& image, Timestamp stamp, const SensorReadings& readings = {});
+  Estimate step(const ImageView& image, Timestamp stamp, const SensorReadings& readings = {},
+                double stamp_sigma_s = 0);
 
   /// Internal, for the program `stillkite` (`Frame` is not installed): every internal figure, in
   /// the world of the given initial attitude. Throws InputError unless the image is CV_8UC1 of the

@@ -87,6 +87,8 @@ EgoMotion PaperNavigator::measure(const Frame& frame, const FrameInterval& inter
   }
   motion_ = solver_.solve(vectors_, ground_plane_in_camera(track_.pose.world_from_camera),
                           interval.dt_s, prior);
+  const Vector6d by_interval = frame.stamp_sigma_s / interval.dt_s * motion_.twist.vector();
+  motion_.covariance += 2 * by_interval * by_interval.transpose();
   dt_s_ = interval.dt_s;
   solve_ms_ = watch.lap_ms();
   return motion_;

@@ -66,31 +66,48 @@ void PoseTrack::reset_twist() {
 
 MotionFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
   MotionFilter updated = filter_;
-  update_filter(updated, chain(keyframe_.pose, alignment, config_.levelling), alignment);
+  const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
+  update_filter(updated, chained, chained.relative_covariance, alignment);
   return updated;
 }
 
 void PoseTrack::update_filter(MotionFilter& filter, const ChainedPose& chained,
-                              const PlaneAlignment& alignment) const {
+                              const Matrix6d& covariance, const PlaneAlignment& alignment) const {
   const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
   Twist assumed = Twist::from_vector(alignment.shutter.current_twist);
   assumed.velocity_m_s *= world_from_keyframe.translation.z();
-  filter.update(world_from_keyframe * chained.keyframe_from_camera, chained.relative_covariance,
-                assumed, chained.camera_by_twist);
+  filter.update(world_from_keyframe * chained.keyframe_from_camera, covariance, assumed,
+                chained.camera_by_twist);
+}
+
+// Change of the measured pose with its stamp, from the measurement before: the predicted velocity
+// may still be unknown.
+Vector6d PoseTrack::measured_rate(const ChainedPose& chained) const {
+  const RigidTransform measured = keyframe_.pose.world_from_camera * chained.keyframe_from_camera;
+  const RigidTransform& predicted = filter_.pose();
+  const Twist twist = filter_.twist_in_camera();
+  Vector6d rate;
+  rate << predicted.rotation * twist.velocity_m_s +
+              (measured.translation - predicted.translation) / unmeasured_s_,
+      predicted.rotation * twist.angular_rate_rad_s +
+          so3_log(measured.rotation * predicted.rotation.conjugate()) / unmeasured_s_;
+  return rate;
 }
 
 void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& readings,
-                       Timestamp now) {
+                       Timestamp now, double stamp_sigma_s) {
   correct_keyframe(alignment, readings, now);
   const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
-  const double jump_m = position_jump_m(chained);
+  const Vector6d by_stamp = stamp_sigma_s * measured_rate(chained);
+  const Matrix6d covariance = chained.relative_covariance + by_stamp * by_stamp.transpose();
+  const double jump_m = position_jump_m(chained, covariance);
   has_jumped_ = jump_m > 0;
   if (has_jumped_) {  // the images measure the position, not the velocity
     filter_.inflate_position_covariance(jump_m);
     reset_twist();
   }
-  update_filter(filter_, chained, alignment);
+  update_filter(filter_, chained, covariance, alignment);
   camera_ = chained.camera;
   levelled_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
   covariance_offset_ = camera_.covariance - filter_.pose_covariance();
@@ -98,14 +115,13 @@ void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& re
 }
 
 // Position innovation if it exceeds the maximum acceleration and five sigma, else 0.
-double PoseTrack::position_jump_m(const ChainedPose& chained) const {
+double PoseTrack::position_jump_m(const ChainedPose& chained, const Matrix6d& covariance) const {
   constexpr double kMaxAcceleration_m_s2 = 50;
   constexpr double kSigmas = 5;
   if (keyframe_.scale == ScaleSource::none) return 0;
   const RigidTransform measured = keyframe_.pose.world_from_camera * chained.keyframe_from_camera;
   const double innovation_m = (measured.translation - filter_.pose().translation).norm();
-  const double variance_m2 =
-      (filter_.pose_covariance() + chained.relative_covariance).topLeftCorner<3, 3>().trace();
+  const double variance_m2 = (filter_.pose_covariance() + covariance).topLeftCorner<3, 3>().trace();
   const double max_innovation_m = std::max(kMaxAcceleration_m_s2 * unmeasured_s_ * unmeasured_s_,
                                            kSigmas * std::sqrt(variance_m2));
   return innovation_m > max_innovation_m ? innovation_m : 0;

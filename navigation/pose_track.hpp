@@ -23,8 +23,9 @@ class PoseTrack {
   /// its covariance grows with the former velocity.
   void predict(double dt_s, const SensorReadings& readings);
 
-  /// Updates the camera by this frame's alignment to the keyframe.
-  void update(const PlaneAlignment& alignment, const SensorReadings& readings, Timestamp now);
+  /// Updates the camera by this frame's alignment to the keyframe. `stamp_sigma_s`: of `now`.
+  void update(const PlaneAlignment& alignment, const SensorReadings& readings, Timestamp now,
+              double stamp_sigma_s);
 
   /// Keeps the prediction: this frame has no measurement.
   void coast(const SensorReadings& readings, Timestamp now);
@@ -53,9 +54,11 @@ class PoseTrack {
  private:
   void correct_keyframe(const PlaneAlignment& alignment, const SensorReadings& readings,
                         Timestamp now);
-  [[nodiscard]] double position_jump_m(const ChainedPose& chained) const;
+  [[nodiscard]] Vector6d measured_rate(const ChainedPose& chained) const;
+  [[nodiscard]] double position_jump_m(const ChainedPose& chained,
+                                       const Matrix6d& covariance) const;
   void reset_twist();
-  void update_filter(MotionFilter& filter, const ChainedPose& chained,
+  void update_filter(MotionFilter& filter, const ChainedPose& chained, const Matrix6d& covariance,
                      const PlaneAlignment& alignment) const;
 
   RigidTransform body_from_camera_;

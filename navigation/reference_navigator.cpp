@@ -71,7 +71,7 @@ NavigationEstimate ReferenceNavigator::step(
   // 4. Validate the pose; the gate rejects a jump of rotation up to three times.
   const Verdict verdict = classify(pose, tracks.found_count);
   report(tracks, pose, verdict);
-  if (verdict == Verdict::ok) update_attitude(pose, frame.stamp);
+  if (verdict == Verdict::ok) update_attitude(pose, frame);
   const double solve_ms = watch.lap_ms();
   // 5. Replace the reference if too few features are left, or by schedule.
   renew_reference(frame, tracks.found_count, verdict);
@@ -160,10 +160,10 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
   }
 }
 
-void ReferenceNavigator::update_attitude(const RelativePoseEstimate& pose, Timestamp now) {
+void ReferenceNavigator::update_attitude(const RelativePoseEstimate& pose, const Frame& frame) {
   const Eigen::Quaterniond reference_from_camera = pose.pose.current_from_reference.conjugate();
   Attitude next{
-      .stamp = now,
+      .stamp = frame.stamp,
       .world_from_camera = references_.back().attitude.world_from_camera * reference_from_camera,
       .covariance = Eigen::Matrix3d::Zero(),
       .covariance_from_reference = pose.covariance.topLeftCorner<3, 3>()};
@@ -171,13 +171,15 @@ void ReferenceNavigator::update_attitude(const RelativePoseEstimate& pose, Times
   next.covariance =
       references_.back().attitude.covariance + R * next.covariance_from_reference * R.transpose();
 
-  const double dt_s = seconds_between(current_.stamp, now);
-  const Eigen::Quaterniond rotation =
-      current_.world_from_camera.conjugate() * next.world_from_camera;
-  if (has_previous_attitude_) twist_ = Twist{.angular_rate_rad_s = so3_log(rotation) / dt_s};
+  const double dt_s = seconds_between(current_.stamp, frame.stamp);
+  const Eigen::Vector3d rate =
+      so3_log(current_.world_from_camera.conjugate() * next.world_from_camera) / dt_s;
+  if (has_previous_attitude_) twist_ = Twist{.angular_rate_rad_s = rate};
   has_previous_attitude_ = true;
-  rate_covariance_ =
-      (current_.covariance_from_reference + next.covariance_from_reference) / (dt_s * dt_s);
+  const Eigen::Vector3d by_stamp = frame.stamp_sigma_s * rate;
+  rate_covariance_ = (current_.covariance_from_reference + next.covariance_from_reference +
+                      2 * by_stamp * by_stamp.transpose()) /
+                     (dt_s * dt_s);
   current_ = next;
   last_pose_ = pose.pose;
 }
@@ -210,6 +212,9 @@ NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdic
   parts.twist_covariance.diagonal().tail<3>().setConstant(kInitialRateSigma_rad_s *
                                                           kInitialRateSigma_rad_s);
   if (twist_) {
+    const Eigen::Vector3d by_stamp =
+        frame.stamp_sigma_s * (current_.world_from_camera * twist_->angular_rate_rad_s);
+    pose_covariance.bottomRightCorner<3, 3>() += by_stamp * by_stamp.transpose();
     parts.twist_in_camera = *twist_;
     parts.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
   }

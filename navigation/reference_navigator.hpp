@@ -77,7 +77,7 @@ class ReferenceNavigator {
   [[nodiscard]] bool is_sudden_loss(int features) const;
   void report(const FeatureTracks& tracks, const RelativePoseEstimate& pose, Verdict verdict);
   [[nodiscard]] int min_features(const Reference& reference) const;
-  void update_attitude(const RelativePoseEstimate& pose, Timestamp now);
+  void update_attitude(const RelativePoseEstimate& pose, const Frame& frame);
   void renew_reference(const Frame& frame, int features, Verdict verdict);
   [[nodiscard]] bool take_reference(const Frame& frame, bool measured);
   [[nodiscard]] bool set_reference(const Frame& frame);

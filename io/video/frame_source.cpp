@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "flow/image_pool.hpp"
+#include "geometry/stamp_filter.hpp"
 #include "io/dataset/euroc_dataset.hpp"
 #include "io/text_file.hpp"
 #include "io/video/bounded_queue.hpp"
@@ -84,11 +85,34 @@ std::optional<std::int64_t> expected_frames(const Reader& reader, const SourceCo
   return std::max<std::int64_t>(0, std::llround((*end_s - config.start_s) * *rate));
 }
 
+StampFilter stamp_filter_for(const Reader& reader) {
+  if (const auto* video = std::get_if<VideoReader>(&reader)) {
+    return StampFilter(video->stamp_resolution_s());
+  }
+  StampFilter filter;
+  filter.learn(std::get<ImageSequence>(reader).stamps());
+  return filter;
+}
+
+// Not below one percent of the interval, and not on what the container rounds.
+std::optional<std::string> jitter_note(const StampFilter& stamps) {
+  constexpr double kMinRatio = 0.01;
+  const double ratio = std::sqrt(2.0) * stamps.jitter_s() / stamps.period_s();
+  if (!(ratio > kMinRatio) || stamps.jitter_s() < stamps.resolution_s()) return std::nullopt;
+  return fmt::format(
+      ": the time stamps jitter by {:.2g} ms, which changes frame intervals by {:.2g} %; they are "
+      "smoothed, and the remaining error enters the covariances",
+      1e3 * stamps.jitter_s(), 100 * ratio);
+}
+
 }  // namespace
 
 struct FrameSource::State {
   explicit State(const SourceConfig& source)
-      : config(source), reader(open_reader(source)), expected(expected_frames(reader, source)) {}
+      : config(source),
+        reader(open_reader(source)),
+        expected(expected_frames(reader, source)),
+        stamps(stamp_filter_for(reader)) {}
   ~State() {
     queue.close();
     if (thread.joinable()) thread.join();
@@ -108,7 +132,8 @@ struct FrameSource::State {
 
   std::optional<Frame> first;
   bool first_returned = false;
-  std::optional<Timestamp> last_stamp;
+  std::optional<Timestamp> last_stamp;  // as stored
+  StampFilter stamps;
   std::int64_t read = 0;
   std::int64_t undecodable = 0;
   std::int64_t out_of_order = 0;  // time stamps that do not increase
@@ -153,8 +178,11 @@ std::optional<Frame> FrameSource::State::take() {
       continue;
     }
     interlaced = interlaced || result->interlaced;
-    result->frame.index = index;
     last_stamp = result->frame.stamp;
+    const FilteredStamp filtered = stamps.next(result->frame.stamp);
+    result->frame.stamp = filtered.stamp;
+    result->frame.stamp_sigma_s = filtered.sigma_s;
+    result->frame.index = index;
     return std::move(result->frame);
   }
   at_end = true;
@@ -230,6 +258,7 @@ std::optional<std::string> FrameSource::problem() const {
                          : " (images predicted from them are damaged, so the covariance "
                            "is optimistic there)"));
   }
+  if (const std::optional<std::string> jitter = jitter_note(s.stamps)) add(path + *jitter);
   if (s.out_of_order > 0) {
     add(fmt::format("{}: {} of {} images have time stamps that do not increase and are skipped",
                     path, s.out_of_order, s.read));

@@ -23,8 +23,9 @@ class FrameSource {
   /// First frame; next() returns it, too.
   [[nodiscard]] const Frame& first() const;
 
-  /// Next frame, stamps ascending; nullopt at the end. Undecodable images and stamps that do not
-  /// increase are skipped and counted. Throws InputError if the image size changes.
+  /// Next frame, stamps ascending and without their jitter (StampFilter); nullopt at the end.
+  /// Undecodable images and stamps that do not increase are skipped and counted. Throws InputError
+  /// if the image size changes.
   [[nodiscard]] std::optional<Frame> next();
 
   /// Images read so far: returned and skipped.

@@ -76,4 +76,10 @@ ReadResult ImageSequence::read(cv::Mat recycled) {
   return {.status = ReadResult::Status::frame, .frame = {.stamp = image.stamp, .grey = grey}};
 }
 
+std::vector<Timestamp> ImageSequence::stamps() const {
+  std::vector<Timestamp> stamps;
+  for (const StampedImage& image : images_) stamps.push_back(image.stamp);
+  return stamps;
+}
+
 }  // namespace stillkite

@@ -24,6 +24,7 @@ class ImageSequence {
   /// True if the first image was rotated, so that image rows are not sensor rows.
   [[nodiscard]] bool is_rotated() const { return orientation_.value_or(1) != 1; }
 
+  [[nodiscard]] std::vector<Timestamp> stamps() const;
   [[nodiscard]] std::size_t count() const { return images_.size(); }
 
  private:

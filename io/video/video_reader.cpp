@@ -129,8 +129,14 @@ bool VideoReader::is_rotated() const {
   return state_->rotation.has_value();
 }
 
-std::optional<double> VideoReader::assumed_rate_hz() const {
-  return state_->rate_hz;
+double VideoReader::stamp_resolution_s() const {
+  constexpr double kRounding = 1e-6;
+  if (state_->rate_hz) return 0;
+  const double step_s = av_q2d(state_->decoder.track().stream->time_base);
+  const std::optional<double> rate_hz = frames_per_s();
+  if (!rate_hz) return step_s;
+  const double steps = 1 / (*rate_hz * step_s);
+  return std::abs(steps - std::round(steps)) < kRounding * steps ? 0 : step_s;
 }
 
 std::vector<std::string> VideoReader::notes() const {

@@ -33,9 +33,8 @@ class VideoReader {
   /// True if the display matrix rotates the images, so that image rows are not sensor rows.
   [[nodiscard]] bool is_rotated() const;
 
-  /// Frame rate by which the images are stamped: source.rate_hz, or that of a bare stream's
-  /// headers. Nullopt if the file stamps them.
-  [[nodiscard]] std::optional<double> assumed_rate_hz() const;
+  /// Step to which the file rounds the stamps; 0 if the frame interval is a multiple of it.
+  [[nodiscard]] double stamp_resolution_s() const;
 
   /// Messages on the choice of the track, on an assumed frame rate and on pixels that are not
   /// square; empty without any.
