@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "geometry/median.hpp"
 #include "geometry/time_filter.hpp"
 
 namespace stillkite {
@@ -26,14 +27,24 @@ double square(double x) {
 }
 
 double median_interval_s(std::span<const Timestamp> stamps) {
-  std::array<double, kWindow> intervals_s;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  std::vector<double> intervals_s;
+  intervals_s.reserve(kWindow);
   for (std::size_t i = 1; i < stamps.size(); ++i) {
-    intervals_s.at(i - 1) = seconds_between(stamps[i - 1], stamps[i]);
+    intervals_s.push_back(seconds_between(stamps[i - 1], stamps[i]));
   }
-  const std::span intervals = std::span(intervals_s).first(stamps.size() - 1);
-  const auto middle = intervals.begin() + std::ssize(intervals) / 2;
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return upper_median(intervals_s);
+}
+
+// Less than a thousandth between the shortest and the longest interval.
+bool is_regular(std::span<const Timestamp> stamps) {
+  constexpr double kMaxRatio = 1e-3;
+  double least_s = seconds_between(stamps[0], stamps[1]), most_s = least_s;
+  for (std::size_t i = 2; i < stamps.size(); ++i) {
+    const double interval_s = seconds_between(stamps[i - 1], stamps[i]);
+    least_s = std::min(least_s, interval_s);
+    most_s = std::max(most_s, interval_s);
+  }
+  return most_s - least_s < kMaxRatio * least_s;
 }
 
 // Number of periods from each stamp of a window to the next: more than one after missed frames. A
@@ -132,6 +143,12 @@ FilteredStamp StampFilter::next(Timestamp stamp) {
   window_.push_back(stamp);
   const std::optional<Timestamp> before = std::exchange(last_, stamp);
   if (!before) return {.stamp = stamp};
+  if (resolution_s_ == 0 && window_.size() >= kMinSmoothed && *before < stamp &&
+      is_regular(window_)) {  // the common case
+    jitter_s_ = 0;
+    period_s_ = seconds_between(window_[window_.size() - 2], stamp);
+    return {.stamp = stamp};
+  }
   const PeriodCounts counts(window_);
   const std::vector<TimeFilter> filters = filters_of(window_, counts);
   if (window_.size() > learned_from_ && window_.size() >= kMinStamps) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/stamp_filter.hpp"
 #include "io/dataset/table_geometry.hpp"
 #include "navigation/navigator.hpp"
 
@@ -129,6 +130,13 @@ Eigen::Vector3d rates_at(const TableReader& row) {
   return vector_at(row, 1, kRates_rad_s);
 }
 
+std::vector<Timestamp> without_jitter(std::vector<Timestamp> stamps) {
+  StampFilter filter;
+  filter.learn(stamps);
+  for (Timestamp& stamp : stamps) stamp = filter.next(stamp).stamp;
+  return stamps;
+}
+
 // Series of (stamp, read_row(row)).
 template <typename Value, typename ReadRow>
 TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t columns,
@@ -175,7 +183,9 @@ SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestam
 }
 
 TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file) {
-  return read_series<Eigen::Vector3d>(file, 4, std::vector(3, Unit::radian_per_s), rates_at);
+  auto rates = read_series<Eigen::Vector3d>(file, 4, std::vector(3, Unit::radian_per_s), rates_at);
+  rates.stamps = without_jitter(std::move(rates.stamps));
+  return rates;
 }
 
 TimeSeries<double> read_heights(const std::filesystem::path& file) {
@@ -205,12 +215,15 @@ TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
 }
 
 TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
-  return read_series<Vector6d>(file, 7, units_of_vectors(Unit::radian_per_s, Unit::metre_per_s2),
-                               [](const TableReader& row) {
-                                 const Eigen::Vector3d rates = rates_at(row);
-                                 const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
-                                 return (Vector6d() << rates, forces).finished();
-                               });
+  auto imu =
+      read_series<Vector6d>(file, 7, units_of_vectors(Unit::radian_per_s, Unit::metre_per_s2),
+                            [](const TableReader& row) {
+                              const Eigen::Vector3d rates = rates_at(row);
+                              const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
+                              return (Vector6d() << rates, forces).finished();
+                            });
+  imu.stamps = without_jitter(std::move(imu.stamps));
+  return imu;
 }
 
 TimeSeries<Vector6d> reject_imu_outliers(const TimeSeries<Vector6d>& imu) {

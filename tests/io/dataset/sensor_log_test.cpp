@@ -1,6 +1,7 @@
 #include "io/dataset/sensor_log.hpp"
 
 #include <cmath>
+#include <random>
 
 #include <fmt/core.h>
 #include "navigation/navigator.hpp"
@@ -159,6 +160,27 @@ TEST(SensorLog, ReadsEveryKindOfFile) {
   EXPECT_EQ(both.values[0], (Vector6d() << 1, 2, 3, 4, 5, 6).finished());
   EXPECT_EQ(input_error_of(folder, [&] { (void)read_heights(folder.file("h.csv", "t,h\n")); }),
             "h.csv: no data row");
+}
+
+// 200 Hz, stamped on arrival: +-1.5 ms.
+TEST(SensorLog, ImuStampsAreWithoutTheirJitter) {
+  const TemporaryFolder folder;
+  constexpr double kInterval_s = 0.005, kBound_s = 1.5e-3;
+  std::mt19937 random(2);
+  std::uniform_real_distribution<> error_s(-kBound_s, kBound_s);
+  std::string rows;
+  for (int i = 0; i < 600; ++i) {
+    rows +=
+        fmt::format("{},0,0,0,0,0,9.8\n", std::llround(1e9 * (i * kInterval_s + error_s(random))));
+  }
+  const TimeSeries<Vector6d> imu = read_imu(folder.file("imu.csv", rows));
+  double squares = 0;
+  for (std::size_t i = 1; i < imu.stamps.size(); ++i) {
+    const double error = seconds_between(imu.stamps[i - 1], imu.stamps[i]) - kInterval_s;
+    squares += error * error;
+  }
+  const double raw_rms_s = kBound_s * std::sqrt(2.0 / 3);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(imu.stamps.size())), 0.2 * raw_rms_s);
 }
 
 TEST(SensorLog, RejectsImuSpikesAndZeroRows) {
