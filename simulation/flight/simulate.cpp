@@ -1,12 +1,12 @@
 #include "simulation/flight/simulate.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 
 #include "geometry/camera.hpp"
-#include "simulation/camera_mount.hpp"
 #include "simulation/flight/vehicle_path.hpp"
 #include "simulation/random.hpp"
 #include "simulation/render/develop.hpp"
@@ -69,12 +69,14 @@ double gain_at(const SimulationConfig& config, std::int64_t frame) {
   return config.camera.gain(progress, random.uniform(-1.0, 1.0));
 }
 
-// Camera at the body origin.
+// Velocity of the camera at the lever arm l: v + w x l.
 Twist camera_twist(const MotionState& state, const RigidTransform& body_from_camera) {
   const Eigen::Quaterniond camera_from_body = body_from_camera.rotation.conjugate();
-  return {
-      camera_from_body * (state.world_from_body.rotation.conjugate() * state.velocity_in_world_m_s),
-      camera_from_body * state.angular_rate_in_body_rad_s};
+  const Eigen::Vector3d& rate = state.angular_rate_in_body_rad_s;
+  const Eigen::Vector3d velocity_in_body_m_s =
+      state.world_from_body.rotation.conjugate() * state.velocity_in_world_m_s +
+      rate.cross(body_from_camera.translation);
+  return {camera_from_body * velocity_in_body_m_s, camera_from_body * rate};
 }
 
 // Camera of a flight over its scene.
@@ -85,7 +87,7 @@ class FlightCamera {
         trajectory_(make_trajectory(config.flight, seed_of(config, kFlight))),
         scene_(make_scene(config, photograph)),
         renderer_(config.camera.lens(), config.camera.supersampling),
-        body_from_camera_(camera_raised_forward(config.camera.forward_tilt_deg)) {}
+        body_from_camera_(config.camera.body_from_camera()) {}
 
   // Noise-free image. `t_s`: time of the middle row (rolling shutter).
   void render(double t_s, cv::Mat& image) const {
@@ -117,7 +119,7 @@ FlightRecord record_flight(const SimulationConfig& config) {
   const double duration_s = config.flight.duration_s;
   FlightRecord record{
       .camera = config.camera.lens(),
-      .body_from_camera = camera_raised_forward(config.camera.forward_tilt_deg),
+      .body_from_camera = config.camera.body_from_camera(),
       .truth = {},
       .twists_in_camera = {},
       .imu = simulate_imu(trajectory, config.imu, duration_s, seed_of(config, kImu)),

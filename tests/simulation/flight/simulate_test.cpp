@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -141,6 +142,40 @@ TEST(CameraMount, TiltsOpticalAxisTowardsNose) {
       1e-12);
   // image right stays -y of the body
   EXPECT_LT((tilted * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
+}
+
+// Reference: finite differences of the camera's position, body + R l.
+TEST(CameraMount, LeverArmMovesCameraInBody) {
+  SimulationConfig config = small_flight();
+  config.flight.yaw_sway_deg = 40;
+  config.flight.tilt_sway_deg = 10;
+  config.camera.frames_per_s = 100;
+  config.camera.forward_tilt_deg = 30;
+  config.camera.lever_arm_m = {0.3, -0.1, 0.05};
+  const FlightRecord record = record_flight(config);
+  const Eigen::Vector3d arm(0.3, -0.1, 0.05);
+  EXPECT_EQ(record.body_from_camera.translation, arm);
+  for (std::size_t k = 1; k < record.truth.size(); ++k) {
+    const RigidTransform& before = record.truth[k - 1].state.world_from_body;
+    const RigidTransform& after = record.truth[k].state.world_from_body;
+    const Eigen::Vector3d moved =
+        (after.translation + after.rotation * arm) - (before.translation + before.rotation * arm);
+    const Eigen::Quaterniond half_way =
+        before.rotation.slerp(0.5, after.rotation) * record.body_from_camera.rotation;
+    const Twist& twist = record.twists_in_camera[k - 1].twist;
+    EXPECT_LT((half_way * twist.velocity_m_s - moved / 0.01).norm(), 1e-4);
+  }
+}
+
+// A level aircraft with the camera l ahead of its origin sees what one l further ahead sees.
+TEST(CameraMount, LeverArmShiftsImage) {
+  SimulationConfig config = small_flight();
+  config.camera.noise_grey = 0;
+  config.flight.sway_m = config.flight.tilt_sway_deg = config.flight.yaw_sway_deg = 0;
+  const cv::Mat later = render_frames(config)[5];  // 2 m ahead
+  config.camera.lever_arm_m = {2, 0, 0};
+  const cv::Mat ahead = render_frames(config)[0];
+  EXPECT_LE(cv::norm(later, ahead, cv::NORM_INF), 1);
 }
 
 }  // namespace
