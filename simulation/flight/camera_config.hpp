@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "geometry/camera.hpp"
 #include "geometry/fields.hpp"
 #include "simulation/camera_mount.hpp"
+#include "simulation/render/develop.hpp"
 
 namespace stillkite {
 
@@ -66,11 +68,31 @@ struct SimulatedCameraConfig {
 /// Camera of a free flight.
 struct FlightCameraConfig : SimulatedCameraConfig {
   std::array<double, 3> lever_arm_m{};
+  double lens_error_px = 0;
+  double light_ratio = 1;
+  double amplifier_gain = 1;
+  std::optional<double> full_well_electrons{};
 
   static void fields(auto& self, auto&& field) {
     SimulatedCameraConfig::fields(self, field);
     field("lever_arm_m", self.lever_arm_m, kAny,
           "position [x, y, z] of the camera in the body; IMU and range finder are at its origin");
+    field("lens_error_px", self.lens_error_px, Range{0, 20},
+          "smooth displacement of the image from the written calibration, RMS of its length");
+    field("light_ratio", self.light_ratio, Range{1e-6, 1}, "light relative to daylight");
+    field("amplifier_gain", self.amplifier_gain, kPositive,
+          "amplification of signal and noise; 1: daylight");
+    field("full_well_electrons", self.full_well_electrons, kPositive,
+          "electrons at grey 255 and amplifier_gain 1, for photon noise; null: no photon noise");
+  }
+
+  /// With light L, amplifier A and full well N: signal s = A L g of a daylight grey g, variance of
+  /// the photon noise 255 A s / N, of the read noise (A noise_grey)^2.
+  [[nodiscard]] Exposure exposure(double frame_gain) const {
+    return {.gain = frame_gain * amplifier_gain * light_ratio,
+            .noise_grey = amplifier_gain * noise_grey,
+            .photon_variance_per_grey =
+                full_well_electrons ? 255 * amplifier_gain / *full_well_electrons : 0};
   }
 
   [[nodiscard]] RigidTransform body_from_camera() const {
