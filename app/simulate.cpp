@@ -87,6 +87,12 @@ std::string estimator_yaml(const SimulateConfig& config) {
                      video ? "" : "mav0/");
 }
 
+// Mean difference of the image stamps from the truth's clock.
+std::string truth_clock_yaml(const ClockConfig& clock) {
+  const double delay_s = clock.image_delay_s + clock.jitter_s;
+  return delay_s > 0 ? fmt::format("  time_offset_s: {}\n", delay_s) : "";
+}
+
 std::string sensors_comment(const SimulateConfig& config) {
   if (config.simulation.scene != FlightScene::ground) return {};
   return fmt::format(
@@ -101,10 +107,11 @@ std::string run_yaml(const SimulateConfig& config) {
   return fmt::format(
       "# Simulated flight in this folder: stillkite run run.yaml\n"
       "source:\n  path: {}\n{}"
-      "truth:\n  path: {}\n"
+      "truth:\n  path: {}\n{}"
       "initial:\n  from_truth: true\n{}{}{}",
       video ? kVideoName : ".", video ? "calibration:\n  path: sensor.yaml\n" : "",
       video ? "truth.tum" : "mav0/state_groundtruth_estimate0",
+      truth_clock_yaml(config.simulation.clock),
       readout_s > 0 ? fmt::format("navigator:\n  readout_s: {}\n", readout_s) : "",
       estimator_yaml(config), sensors_comment(config));
 }
