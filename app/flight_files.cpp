@@ -105,7 +105,7 @@ void write_flight_files(const FlightRecord& flight, double frames_per_s,
   write_file(dataset / "imu0" / "data.csv", imu_csv(flight));
   write_file(top / "truth.tum", truth_tum(flight));
   write_file(top / "velocity.csv", velocity_csv(flight));
-  write_file(top / "range.csv", range_csv(flight));
+  if (!flight.range.empty()) write_file(top / "range.csv", range_csv(flight));
 }
 
 }  // namespace stillkite

@@ -70,19 +70,50 @@ ImageOutput euroc_output(const fs::path& camera_folder) {
   return {write, [list] { list->commit(); }};
 }
 
-std::string run_yaml(ImageFormat format, double readout_s) {
-  const bool video = format == ImageFormat::video;
+void check_output(const SimulateConfig& config) {
+  if (config.output.format == ImageFormat::video &&
+      !config.simulation.clock.has_exact_image_stamps()) {
+    throw InputError(
+        "clock: image_delay_s, jitter_s and rounding_s change the stamps of images, but a video's "
+        "are regular; set output.format: euroc");
+  }
+}
+
+// A room and a coast have no ground plane for the flow.
+std::string estimator_yaml(const SimulateConfig& config) {
+  if (config.simulation.scene == FlightScene::ground) return {};
+  const bool video = config.output.format == ImageFormat::video;
+  return fmt::format("estimator:\n  policy: fused\nimu:\n  path: {}imu0/data.csv\n",
+                     video ? "" : "mav0/");
+}
+
+// Mean difference of the image stamps from the truth's clock.
+std::string truth_clock_yaml(const ClockConfig& clock) {
+  const double delay_s = clock.image_delay_s + clock.jitter_s;
+  return delay_s > 0 ? fmt::format("  time_offset_s: {}\n", delay_s) : "";
+}
+
+std::string sensors_comment(const SimulateConfig& config) {
+  if (config.simulation.scene != FlightScene::ground) return {};
+  return fmt::format(
+      "# Unused sensors of this flight: {}imu0/data.csv (imu.path), range.csv (height.path, source "
+      "range)\n",
+      config.output.format == ImageFormat::video ? "" : "mav0/");
+}
+
+std::string run_yaml(const SimulateConfig& config) {
+  const bool video = config.output.format == ImageFormat::video;
+  const double readout_s = config.simulation.camera.readout_s;
   return fmt::format(
       "# Simulated flight in this folder: stillkite run run.yaml\n"
       "source:\n  path: {}\n{}"
-      "truth:\n  path: {}\n"
-      "initial:\n  from_truth: true\n{}"
-      "# Unused sensors of this flight: {}imu0/data.csv (imu.path), range.csv (height.path, source "
-      "range)\n",
+      "truth:\n  path: {}\n{}"
+      "initial:\n  from_truth: true\n{}{}{}",
       video ? kVideoName : ".", video ? "calibration:\n  path: sensor.yaml\n" : "",
       video ? "truth.tum" : "mav0/state_groundtruth_estimate0",
+      truth_clock_yaml(config.simulation.clock),
       readout_s > 0 ? fmt::format("navigator:\n  readout_s: {}\n", readout_s) : "",
-      video ? "" : "mav0/");
+      estimator_yaml(config), sensors_comment(config));
 }
 
 // Upper bound: noisy images compress to 1/10 (video) ... 2/3 (PNG).
@@ -95,6 +126,7 @@ std::uintmax_t bytes_needed(const SimulateConfig& config, std::size_t frames) {
 void simulate_flight(const SimulateConfig& config, const fs::path& out) {
   const SimulationConfig& simulation = config.simulation;
   const bool video = config.output.format == ImageFormat::video;
+  check_output(config);
   const FlightRecord flight = record_flight(simulation);
   const cv::Mat photograph = read_photograph(simulation);
   OutputFolder folder(out, bytes_needed(config, flight.truth.size()));
@@ -114,7 +146,7 @@ void simulate_flight(const SimulateConfig& config, const fs::path& out) {
     images.finish();
   }
   write_file(top / "simulation.yaml", print_config(config));
-  write_file(top / "run.yaml", run_yaml(config.output.format, simulation.camera.readout_s));
+  write_file(top / "run.yaml", run_yaml(config));
   folder.commit();
   fmt::print(stderr, "stillkite: {} frames; to estimate their motion: stillkite run {}\n",
              flight.truth.size(), (out / "run.yaml").string());

@@ -11,13 +11,13 @@
 namespace stillkite {
 namespace {
 
-// Sines with periods of 4 to 40 s and amplitudes ~ sqrt(period), scaled to the given RMS.
-std::vector<Signal::Sine> random_sines(double rms, Random random) {
+// Sines with periods of one decade and amplitudes ~ sqrt(period), scaled to the given RMS.
+std::vector<Signal::Sine> random_sines(double rms, double shortest_period_s, Random random) {
   constexpr int kSines = 8;
   std::vector<Signal::Sine> sines;
   double power = 0;
   for (int k = 0; k < kSines; ++k) {
-    const double period_s = 4.0 * std::pow(10.0, (k + random.uniform()) / kSines);
+    const double period_s = shortest_period_s * std::pow(10.0, (k + random.uniform()) / kSines);
     const double amplitude = std::sqrt(period_s) * random.uniform(0.5, 1.5);
     sines.push_back(
         {amplitude, 2 * std::numbers::pi / period_s, random.uniform(0, 2 * std::numbers::pi)});
@@ -59,12 +59,13 @@ void add_coordinated_turn(const FlightConfig& config, Trajectory& trajectory) {
   trajectory.roll_rad.offset = -std::atan(config.speed_m_s * rate / kGravity_m_s2);
 }
 
-}  // namespace
-
-Trajectory make_trajectory(const FlightConfig& config, std::uint64_t seed) {
-  const bool is_line = config.shape == FlightShape::line;
+// Throws InputError.
+void check_shape(const FlightConfig& config) {
   const bool is_turn = config.shape == FlightShape::turn;
-  if (!(config.height_m + (is_turn ? 0.0 : config.climb_m) - 3 * config.sway_m > 0)) {
+  const bool is_hand = config.shape == FlightShape::hand;
+  const double climb_m = is_turn || is_hand ? 0.0 : config.climb_m;
+  const double random_m = config.sway_m + (is_hand ? config.hand_m : 0.0);
+  if (!(config.height_m + climb_m - 3 * random_m > 0)) {
     throw InputError("flight.climb_m: " + std::to_string(config.climb_m) + " from height_m " +
                      std::to_string(config.height_m) +
                      " reaches the ground; increase climb_m or height_m, or reduce sway_m");
@@ -72,22 +73,56 @@ Trajectory make_trajectory(const FlightConfig& config, std::uint64_t seed) {
   if (is_turn && config.turn_rate_deg_s == 0) {
     throw InputError("flight.turn_rate_deg_s: 0 is invalid for shape turn; set a rate or use line");
   }
+  if (config.rest_s > 0 && config.rest_s + kStart_s > config.duration_s) {
+    throw InputError("flight.rest_s: " + std::to_string(config.rest_s) +
+                     " s and 1 s of start exceed duration_s, " + std::to_string(config.duration_s) +
+                     " s; reduce rest_s or increase duration_s");
+  }
+}
+
+// Duration of the motion without the rest.
+double moving_s(const FlightConfig& config) {
+  return config.rest_s > 0 ? time_after_rest(config.duration_s, config.rest_s).value
+                           : config.duration_s;
+}
+
+// Random motion of one axis: sway with periods of 4 to 40 s, and hand motion of 0.3 to 3 Hz.
+std::vector<Signal::Sine> random_motion(double sway_rms, double hand_rms, std::uint64_t seed,
+                                        std::uint64_t axis) {
+  std::vector<Signal::Sine> sines = random_sines(sway_rms, 4, Random(seed, 1000 + axis));
+  if (hand_rms == 0) return sines;
+  const auto hand = random_sines(hand_rms, 1.0 / 3, Random(seed, 1010 + axis));
+  sines.insert(sines.end(), hand.begin(), hand.end());
+  return sines;
+}
+
+}  // namespace
+
+Trajectory make_trajectory(const FlightConfig& config, std::uint64_t seed) {
+  check_shape(config);
+  const bool is_line = config.shape == FlightShape::line;
   const double heading = config.heading_deg * kDegree;
   const double x_m = config.forward_m * std::cos(heading) - config.left_m * std::sin(heading);
   const double y_m = config.forward_m * std::sin(heading) + config.left_m * std::cos(heading);
-  const auto sway = [&](double rms, std::uint64_t axis) {
-    return random_sines(rms, Random(seed, 1000 + axis));
+  const bool is_hand = config.shape == FlightShape::hand;
+  const double hand_m = is_hand ? config.hand_m : 0.0;
+  const double hand_rad = is_hand ? config.hand_deg * kDegree : 0.0;
+  const auto translation = [&](std::uint64_t axis) {
+    return random_motion(config.sway_m, hand_m, seed, axis);
   };
-  const double tilt_rms = config.tilt_sway_deg * kDegree;
-  const double T = config.duration_s;
-  Trajectory trajectory{.x_m = exact_at_ends(0, is_line ? x_m : 0, T, sway(config.sway_m, 0)),
-                        .y_m = exact_at_ends(0, is_line ? y_m : 0, T, sway(config.sway_m, 1)),
-                        .z_m = exact_at_ends(config.height_m, is_line ? config.climb_m : 0, T,
-                                             sway(config.sway_m, 2)),
-                        .yaw_rad = {heading, 0, sway(config.yaw_sway_deg * kDegree, 3)},
-                        .pitch_rad = {config.pitch_deg * kDegree, 0, sway(tilt_rms, 4)},
-                        .roll_rad = {config.roll_deg * kDegree, 0, sway(tilt_rms, 5)}};
-  if (is_turn) add_coordinated_turn(config, trajectory);
+  const auto rotation = [&](double sway_deg, std::uint64_t axis) {
+    return random_motion(sway_deg * kDegree, hand_rad, seed, axis);
+  };
+  const double T = moving_s(config);
+  Trajectory trajectory{
+      .x_m = exact_at_ends(0, is_line ? x_m : 0, T, translation(0)),
+      .y_m = exact_at_ends(0, is_line ? y_m : 0, T, translation(1)),
+      .z_m = exact_at_ends(config.height_m, is_line ? config.climb_m : 0, T, translation(2)),
+      .yaw_rad = {heading, 0, rotation(config.yaw_sway_deg, 3)},
+      .pitch_rad = {config.pitch_deg * kDegree, 0, rotation(config.tilt_sway_deg, 4)},
+      .roll_rad = {config.roll_deg * kDegree, 0, rotation(config.tilt_sway_deg, 5)},
+      .rest_s = config.rest_s};
+  if (config.shape == FlightShape::turn) add_coordinated_turn(config, trajectory);
   if (config.shape == FlightShape::out_and_back) {
     add_out_and_back(x_m, T, trajectory.x_m);
     add_out_and_back(y_m, T, trajectory.y_m);

@@ -1,75 +1,37 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <string_view>
+#include <utility>
 
-#include "geometry/camera.hpp"
+#include "simulation/flight/camera_config.hpp"
+#include "simulation/flight/clock.hpp"
 #include "simulation/flight/flight.hpp"
+#include "simulation/flight/flight_imu_config.hpp"
 #include "simulation/flight/sensors.hpp"
 #include "simulation/scene/relief.hpp"
 
 namespace stillkite {
 
-/// Defaults: the flow paper's camera (section 5.1), nadir-looking.
-struct SimulatedCameraConfig {
-  double frames_per_s = 25;
-  int width_px = 1920;
-  int height_px = 1080;
-  double focal_x_px = 1152.77;
-  double focal_y_px = 1150.483;
-  double centre_x_px = 969.2111;
-  double centre_y_px = 535.3755;
-  DistortionModel distortion = DistortionModel::none;
-  std::array<double, 8> coefficients{};
-  double forward_tilt_deg = 0;
-  int supersampling = 2;
-  double shutter_s = 0;
-  int shutter_samples = 4;
-  double readout_s = 0;
-  double noise_grey = 2;
-  double gain_ramp_ratio = 0;
-  double flicker_ratio = 0;
+enum class FlightScene { ground, room, coast };
 
-  static void fields(auto& self, auto&& field) {
-    field("frames_per_s", self.frames_per_s, Range{0.1, 1000}, "frame rate");
-    field("width_px", self.width_px, Range{16, 16384}, "image width");
-    field("height_px", self.height_px, Range{16, 16384}, "image height");
-    field("focal_x_px", self.focal_x_px, kPositive, "focal length along x");
-    field("focal_y_px", self.focal_y_px, kPositive, "focal length along y");
-    field("centre_x_px", self.centre_x_px, kAny, "principal point, first pixel's centre is 0");
-    field("centre_y_px", self.centre_y_px, kAny, "principal point, first pixel's centre is 0");
-    field("distortion", self.distortion, "distortion model");
-    field("coefficients", self.coefficients, kAny, "k1 k2 p1 p2 k3 k4 k5 k6, or k1 k2 k3 k4");
-    field("forward_tilt_deg", self.forward_tilt_deg, Range{-90, 90},
-          "angle of the optical axis in the body from nadir towards the nose");
-    field("supersampling", self.supersampling, Range{1, 4}, "samples per pixel and direction");
-    field("shutter_s", self.shutter_s, kNonNegative, "exposure time (motion blur); 0: no blur");
-    field("shutter_samples", self.shutter_samples, Range{1, 64}, "instants per exposure");
-    field("readout_s", self.readout_s, Range{0, 0.1},
-          "rolling shutter: time from the first row to the last; stamps refer to the middle row");
-    field("noise_grey", self.noise_grey, Range{0, 100}, "noise of a pixel, 1 sigma");
-    field("gain_ramp_ratio", self.gain_ramp_ratio, Range{-0.99, 10},
-          "relative change of the gain from the first frame to the last; 0.3: 30 % brighter");
-    field("flicker_ratio", self.flicker_ratio, Range{0, 0.9},
-          "maximum random relative change of a frame's gain");
-  }
-
-  /// Gain relative to the first frame. `progress` in [0, 1]; `draw`: random, in [-1, 1].
-  [[nodiscard]] double gain(double progress, double draw) const {
-    return (1 + gain_ramp_ratio * progress) * (1 + flicker_ratio * draw);
-  }
-
-  [[nodiscard]] Camera lens() const {
-    return {width_px,    height_px,   focal_x_px, focal_y_px,
-            centre_x_px, centre_y_px, distortion, coefficients};
-  }
+template <>
+struct EnumNames<FlightScene> {
+  static constexpr auto value =
+      std::to_array<std::pair<FlightScene, std::string_view>>({{FlightScene::ground, "ground"},
+                                                               {FlightScene::room, "room"},
+                                                               {FlightScene::coast, "coast"}});
 };
 
 struct GroundConfig {
   std::optional<std::filesystem::path> photograph{};
   std::optional<double> metres_per_texel{};
   int side_texels = 4096;
+  std::optional<double> period_m{};
   ReliefConfig relief{};
 
   static void fields(auto& self, auto&& field) {
@@ -78,7 +40,15 @@ struct GroundConfig {
           "texel size on the ground; null: 0.8 pixel footprints at the initial height");
     field("side_texels", self.side_texels, Range{64, 16384},
           "side length of the procedural texture, which repeats mirrored");
+    field("period_m", self.period_m, kPositive,
+          "repetitive texture: exact period along x and y, an even number of texels, whose size is "
+          "adjusted; null: none");
     field("relief", self.relief, "terrain relief");
+  }
+
+  /// Even number of texels nearest to the period.
+  [[nodiscard]] int period_texels(double texel_m) const {
+    return 2 * std::max(2, static_cast<int>(std::lround(0.5 * *period_m / texel_m)));
   }
 };
 
@@ -93,23 +63,49 @@ struct VehicleConfig {
   }
 };
 
+/// Shadow of the aircraft on the ground.
+struct AircraftShadowConfig {
+  double size_m = 1;
+  double darkening_ratio = 0.7;
+  double sun_elevation_deg = 50;
+  double sun_azimuth_deg = 0;
+
+  static void fields(auto& self, auto&& field) {
+    field("size_m", self.size_m, kPositive, "diameter of the aircraft");
+    field("darkening_ratio", self.darkening_ratio, Range{0, 1},
+          "share of the direct sun in the light of the ground");
+    field("sun_elevation_deg", self.sun_elevation_deg, Range{5, 90},
+          "elevation of the sun over the horizon");
+    field("sun_azimuth_deg", self.sun_azimuth_deg, kAny,
+          "direction to the sun, from +x towards +y of the world");
+  }
+};
+
 struct SimulationConfig {
   int seed = 1;
-  SimulatedCameraConfig camera{};
+  FlightScene scene = FlightScene::ground;
+  FlightCameraConfig camera{};
   FlightConfig flight{};
   GroundConfig ground{};
   std::optional<VehicleConfig> vehicle{};
-  ImuConfig imu{};
+  std::optional<AircraftShadowConfig> shadow{};
+  FlightImuConfig imu{};
   RangeConfig range{};
+  ClockConfig clock{};
 
   static void fields(auto& self, auto&& field) {
     field("seed", self.seed, kAnySeed, "seed of all random numbers");
+    field("scene", self.scene,
+          "ground: keys of ground, vehicle, shadow; room: 12 x 10 x 4 m, origin at the floor's "
+          "centre; coast: from a boat at the origin; range finder over ground only");
     field("camera", self.camera, "lens, sensor and mount");
     field("flight", self.flight, "trajectory");
     field("ground", self.ground, "texture and relief of the ground");
     field("vehicle", self.vehicle, "moving vehicle on the ground; null: none");
-    field("imu", self.imu, "gyroscope and accelerometer");
+    field("shadow", self.shadow, "shadow of the aircraft on the ground; null: none");
+    field("imu", self.imu, "gyroscope and accelerometer; a reading is the value at its stamp");
     field("range", self.range, "range finder along -z of the body");
+    field("clock", self.clock, "errors of the time stamps");
   }
 };
 

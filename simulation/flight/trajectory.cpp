@@ -18,7 +18,26 @@ Jet Signal::at(double t_s) const {
   return jet;
 }
 
+Jet time_after_rest(double t_s, double rest_s) {
+  const double x = (t_s - rest_s) / kStart_s;
+  if (x <= 0) return {0, 0, 0};
+  if (x >= 1) return {t_s - rest_s - 0.5 * kStart_s, 1, 0};
+  return {kStart_s * x * x * x * (1 - 0.5 * x), x * x * (3 - 2 * x), 6 * x * (1 - x) / kStart_s};
+}
+
+// x(s(t)): velocity x' s', acceleration x'' s'^2 + x' s''.
 MotionState Trajectory::at(double t_s) const {
+  if (rest_s == 0) return in_motion_at(t_s);
+  const Jet time = time_after_rest(t_s, rest_s);
+  MotionState state = in_motion_at(time.value);
+  state.acceleration_in_world_m_s2 = time.rate * time.rate * state.acceleration_in_world_m_s2 +
+                                     time.acceleration * state.velocity_in_world_m_s;
+  state.velocity_in_world_m_s *= time.rate;
+  state.angular_rate_in_body_rad_s *= time.rate;
+  return state;
+}
+
+MotionState Trajectory::in_motion_at(double t_s) const {
   const Jet x = x_m.at(t_s);
   const Jet y = y_m.at(t_s);
   const Jet z = z_m.at(t_s);

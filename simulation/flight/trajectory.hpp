@@ -35,6 +35,13 @@ struct MotionState {
   Eigen::Vector3d angular_rate_in_body_rad_s;
 };
 
+/// Duration of the start from rest.
+inline constexpr double kStart_s = 1;
+
+/// Time s(t) along a trajectory that rests until `rest_s`. In the following second its rate rises
+/// from 0 to 1 as 3 x^2 - 2 x^3, which takes 0.5 s of the trajectory.
+[[nodiscard]] Jet time_after_rest(double t_s, double rest_s);
+
 /// Analytic trajectory: exact pose, velocity, acceleration and angular rate at any time.
 /// Euler angles as in geometry/euler.hpp: ZYX, positive pitch is nose down.
 struct Trajectory {
@@ -44,8 +51,12 @@ struct Trajectory {
   Signal yaw_rad;
   Signal pitch_rad;
   Signal roll_rad;
+  double rest_s = 0;  ///< initial rest; 0: starts in motion
 
   [[nodiscard]] MotionState at(double t_s) const;
+
+ private:
+  [[nodiscard]] MotionState in_motion_at(double t_s) const;
 };
 
 }  // namespace stillkite

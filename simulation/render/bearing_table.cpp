@@ -15,7 +15,8 @@ namespace {
 constexpr int kCoefficients = 4;
 
 // Cubic interpolation at the Chebyshev nodes of the segment: near-minimal maximum error.
-BearingSegment fit_segment(const Camera& camera, double middle_column, double row) {
+BearingSegment fit_segment(const Camera& camera, const LensError& lens_error, double middle_column,
+                           double row) {
   Eigen::Matrix4d powers;
   Eigen::Matrix<double, kCoefficients, 2> bearings;
   for (int node = 0; node < kCoefficients; ++node) {
@@ -23,7 +24,8 @@ BearingSegment fit_segment(const Camera& camera, double middle_column, double ro
         0.5 * BearingSegment::kColumns * std::cos((node + 0.5) * std::numbers::pi / kCoefficients);
     powers.row(node) << 1, t, t * t, t * t * t;
     constexpr double kNoBearing = std::numeric_limits<double>::quiet_NaN();
-    const std::optional<Eigen::Vector2d> bearing = undistort(camera, {middle_column + t, row});
+    const std::optional<Eigen::Vector2d> bearing =
+        bearing_of(camera, lens_error, {middle_column + t, row});
     bearings.row(node) = bearing.value_or(Eigen::Vector2d::Constant(kNoBearing));
   }
   const Eigen::Matrix<float, kCoefficients, 2> cubic =
@@ -48,7 +50,8 @@ void check_rendering(const Camera& camera, int supersampling) {
   }
 }
 
-BearingTable tabulate_bearings(const Camera& camera, int supersampling) {
+BearingTable tabulate_bearings(const Camera& camera, const LensError& lens_error,
+                               int supersampling) {
   check_rendering(camera, supersampling);
   constexpr int kColumns = BearingSegment::kColumns;
   BearingTable table{.supersampling = supersampling,
@@ -59,7 +62,7 @@ BearingTable tabulate_bearings(const Camera& camera, int supersampling) {
       const double sample_row = row + sample_offset(sample, supersampling).down;
       for (int segment = 0; segment < table.segments_a_row; ++segment) {
         const double middle_column = segment * kColumns + 0.5 * (kColumns - 1);
-        table.segments.push_back(fit_segment(camera, middle_column, sample_row));
+        table.segments.push_back(fit_segment(camera, lens_error, middle_column, sample_row));
       }
     }
   }

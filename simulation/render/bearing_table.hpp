@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "geometry/camera.hpp"
+#include "simulation/render/lens_error.hpp"
 
 namespace stillkite {
 
@@ -57,6 +58,7 @@ inline constexpr int kMaxSupersampling = 4;
 void check_rendering(const Camera& camera, int supersampling);
 
 /// Calls check_rendering.
-[[nodiscard]] BearingTable tabulate_bearings(const Camera& camera, int supersampling);
+[[nodiscard]] BearingTable tabulate_bearings(const Camera& camera, const LensError& lens_error,
+                                             int supersampling);
 
 }  // namespace stillkite

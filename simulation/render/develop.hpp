@@ -5,10 +5,12 @@
 
 namespace stillkite {
 
-/// Sensor model: grey = round(gain x irradiance + noise), clipped to [0, 255].
+/// Sensor model: grey = round(signal + noise), clipped to [0, 255], with signal = gain x irradiance
+/// and the noise variance noise_grey^2 + photon_variance_per_grey x signal.
 struct Exposure {
   double gain = 1;
   double noise_grey = 0;  ///< standard deviation, in grey values
+  double photon_variance_per_grey = 0;
 };
 
 /// Camera development: applies gain, noise and quantisation to a noise-free CV_32FC1 image; returns

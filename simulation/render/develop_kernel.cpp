@@ -33,7 +33,8 @@ HWY_INLINE VU add_bytes(VU x) {
   return hn::Add(hn::And(x, mask), hn::And(hn::ShiftRight<8>(x), mask));
 }
 
-void develop_dispatched(const DevelopRow& row) {
+template <bool kPhotonNoise>
+void develop(const DevelopRow& row) {
   const F f;
   const I i;
   const U u;
@@ -41,7 +42,9 @@ void develop_dispatched(const DevelopRow& row) {
   constexpr float kMean = 1020;
   constexpr float kDeviation = 209.0219F;
   const auto gain = hn::Set(f, row.gain);
-  const auto grey_per_count = hn::Set(f, row.noise_grey / kDeviation);
+  const auto read_grey_per_count = hn::Set(f, row.noise_grey / kDeviation);
+  const auto read_variance = hn::Mul(read_grey_per_count, read_grey_per_count);
+  const auto photon_variance = hn::Set(f, row.photon_variance_per_grey / (kDeviation * kDeviation));
   const auto key_1 = hn::Set(u, row.key_1);
   const auto key_2 = hn::Set(u, row.key_2);
   const VU lane = hn::Iota(u, 0);
@@ -51,12 +54,23 @@ void develop_dispatched(const DevelopRow& row) {
     const VU hash_2 = mix_bits_32(hn::Xor(hash_1, key_1));
     const VU pairs = hn::Add(add_bytes(hash_1), add_bytes(hash_2));
     const VU sum = hn::Add(hn::And(pairs, hn::Set(u, 0xffffU)), hn::ShiftRight<16>(pairs));
+    const auto irradiance = hn::LoadU(f, row.irradiance + k);
+    auto grey_per_count = read_grey_per_count;
+    if constexpr (kPhotonNoise) {
+      grey_per_count =
+          hn::Sqrt(hn::MulAdd(hn::Mul(gain, irradiance), photon_variance, read_variance));
+    }
     const auto noise =
         hn::Mul(hn::Sub(hn::ConvertTo(f, hn::BitCast(i, sum)), hn::Set(f, kMean)), grey_per_count);
-    const auto grey = hn::MulAdd(gain, hn::LoadU(f, row.irradiance + k), noise);
+    const auto grey = hn::MulAdd(gain, irradiance, noise);
     const hn::Rebind<std::uint8_t, I> bytes;
     hn::StoreU(hn::DemoteTo(bytes, hn::NearestInt(grey)), bytes, row.grey + k);
   }
+}
+
+void develop_dispatched(const DevelopRow& row) {
+  if (row.photon_variance_per_grey > 0) return develop<true>(row);
+  develop<false>(row);
 }
 
 }  // namespace HWY_NAMESPACE

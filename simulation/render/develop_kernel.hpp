@@ -14,6 +14,7 @@ struct DevelopRow {
   std::uint32_t key_2 = 0;
   float gain = 1;
   float noise_grey = 0;
+  float photon_variance_per_grey = 0;
 };
 inline constexpr int kDevelopPadding = 16;
 

@@ -110,8 +110,8 @@ std::vector<VisiblePatches> visible_at_all_instants(const std::vector<VisiblePat
 
 }  // namespace
 
-PatchRenderer::PatchRenderer(const Camera& camera, int supersampling)
-    : camera_(camera), bearings_(tabulate_bearings(camera, supersampling)) {
+PatchRenderer::PatchRenderer(const Camera& camera, int supersampling, const LensError& lens_error)
+    : camera_(camera), bearings_(tabulate_bearings(camera, lens_error, supersampling)) {
   const int segments = bearings_.segments_a_row;
   for (int row = 0; row < camera.height_px; row += kTileRows) {
     const int rows = std::min(kTileRows, camera.height_px - row);
@@ -132,6 +132,13 @@ cv::Mat PatchRenderer::render(const PatchScene& scene,
 }
 
 cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) const {
+  cv::Mat image(camera_.height_px, camera_.width_px, CV_32FC1);
+  render_rows(scene, shutter, {0, camera_.height_px}, image);
+  return image;
+}
+
+void PatchRenderer::render_rows(const PatchScene& scene, const Shutter& shutter,
+                                const cv::Range& rows, cv::Mat& image) const {
   const int samples = bearings_.samples_a_pixel();
   if (shutter.instants < 1 || samples % shutter.instants != 0) {
     throw InputError("shutter: " + std::to_string(shutter.instants) +
@@ -153,30 +160,31 @@ cv::Mat PatchRenderer::render(const PatchScene& scene, const Shutter& shutter) c
     in_image.push_back({.patches = candidates_of(views.back())});
   }
 
-  cv::Mat image(camera_.height_px, camera_.width_px, CV_32FC1);
   const float weight = 1.0F / static_cast<float>(samples);
   const auto background = static_cast<float>(scene.background_grey);
-  const auto* group = groups_.data();
-  const auto* tile = tiles_.data();
-  for (std::size_t band = 0; band < bands_.size(); ++band) {
-    const int first_row = static_cast<int>(band) * kTileRows;
-    const int rows = std::min(kTileRows, camera_.height_px - first_row);
+  const int segments = bearings_.segments_a_row;
+  const int groups = (segments + kTilesAGroup - 1) / kTilesAGroup;
+  for (int band = rows.start / kTileRows; band * kTileRows < rows.end; ++band) {
+    const int first_row = std::max(rows.start, band * kTileRows);
+    const int row_count = std::min(rows.end, (band + 1) * kTileRows) - first_row;
     const std::vector<VisiblePatches> in_band = visible_at_all_instants(in_image, bands_[band]);
     std::vector<VisiblePatches> in_group;
-    for (int segment = 0; segment < bearings_.segments_a_row; ++segment) {
-      if (segment % kTilesAGroup == 0) in_group = visible_at_all_instants(in_band, *group++);
-      const TileSum sum =
-          render_tile(bearings_, in_group, *tile++, {first_row, rows, segment}, background);
+    for (int segment = 0; segment < segments; ++segment) {
+      if (segment % kTilesAGroup == 0) {
+        in_group =
+            visible_at_all_instants(in_band, groups_[band * groups + segment / kTilesAGroup]);
+      }
+      const TileSum sum = render_tile(bearings_, in_group, tiles_[band * segments + segment],
+                                      {first_row, row_count, segment}, background);
       const int first_column = segment * kTileColumns;
       const int columns = std::min(kTileColumns, camera_.width_px - first_column);
-      for (int row = 0; row < rows; ++row) {
+      for (int row = 0; row < row_count; ++row) {
         std::transform(&sum[row * kTileColumns], &sum[row * kTileColumns] + columns,
                        image.ptr<float>(first_row + row) + first_column,
                        [weight](float grey) { return weight * grey; });
       }
     }
   }
-  return image;
 }
 
 }  // namespace stillkite

@@ -24,7 +24,7 @@ class PatchRenderer {
  public:
   /// `supersampling`: samples per pixel and direction, 1 to 4. Throws InputError for an invalid
   /// camera or supersampling.
-  PatchRenderer(const Camera& camera, int supersampling);
+  PatchRenderer(const Camera& camera, int supersampling, const LensError& lens_error = {});
 
   /// Noise-free image, CV_32FC1 in grey values. A sample is the nearest patch along its ray; a
   /// pixel is the mean of its samples.
@@ -33,6 +33,10 @@ class PatchRenderer {
 
   /// Image with motion blur. Throws InputError if `instants` does not divide the samples per pixel.
   [[nodiscard]] cv::Mat render(const PatchScene& scene, const Shutter& shutter) const;
+
+  /// Renders only `rows` into `image`, CV_32FC1.
+  void render_rows(const PatchScene& scene, const Shutter& shutter, const cv::Range& rows,
+                   cv::Mat& image) const;
 
  private:
   Camera camera_;

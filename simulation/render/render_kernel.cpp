@@ -154,7 +154,20 @@ HWY_INLINE VF paint_vehicle(const RenderView& view, VF x, VF y, VF depth, VF gre
   return hn::IfThenElse(inside, paint, grey);
 }
 
-template <bool kRelief, bool kVehicle>
+// `z`: height of the ground.
+HWY_INLINE VF cast_shadow(const RenderView& view, VF x, VF y, VF depth, VF z, VF grey) {
+  const F f;
+  const VF along = hn::NegMulAdd(z, hn::Set(f, view.shadow_along_per_height),
+                                 at_depth(view.shadow_along, x, y, depth));
+  const VF across = at_depth(view.shadow_across, x, y, depth);
+  const VF radius = hn::Sqrt(hn::MulAdd(along, along, hn::Mul(across, across)));
+  const VF one = hn::Set(f, 1.0F);
+  const VF ramp = hn::Mul(hn::Sub(one, radius), hn::Set(f, view.shadow_ramp));
+  const VF share = hn::Min(hn::Max(ramp, hn::Zero(f)), one);
+  return hn::NegMulAdd(hn::Mul(share, hn::Set(f, view.shadow_darkening_ratio)), grey, grey);
+}
+
+template <bool kRelief, bool kVehicle, bool kShadow>
 void render(const RenderView& view, const RenderRow& row) {
   const F f;
   const VF weight = hn::Set(f, 1.0F / static_cast<float>(row.samples));
@@ -169,8 +182,9 @@ void render(const RenderView& view, const RenderRow& row) {
       const auto below = hn::Gt(down, hn::Set(f, kMinDown));
       const VF per_metre = hn::IfThenElseZero(below, hn::Div(hn::Set(f, 1.0F), down));
       VF depth = hn::Mul(height, per_metre);
+      VF z = hn::Zero(f);
       if constexpr (kRelief) {
-        VF z = hn::LoadU(f, row.ground_height_m[sample] + column);
+        z = hn::LoadU(f, row.ground_height_m[sample] + column);
         for (int step = 0; step < view.relief_steps; ++step) {
           z = relief_height(view, x, y, hn::Mul(hn::Sub(height, z), per_metre));
         }
@@ -180,19 +194,26 @@ void render(const RenderView& view, const RenderRow& row) {
       }
       VF grey = sample_ground(view, x, y, depth, below);
       if constexpr (kVehicle) grey = paint_vehicle(view, x, y, depth, grey);
+      if constexpr (kShadow) grey = cast_shadow(view, x, y, depth, z, grey);
       sum = hn::Add(sum, hn::IfThenElse(below, grey, hn::Set(f, view.sky_grey)));
     }
     hn::StoreU(hn::Mul(sum, weight), f, row.grey + column);
   }
 }
 
-void render_dispatched(const RenderView& view, const RenderRow& row) {
+template <bool kShadow>
+void render_with(const RenderView& view, const RenderRow& row) {
   const bool relief = view.relief_words != nullptr;
   const bool vehicle = view.vehicle_pairs != nullptr;
-  if (relief && vehicle) return render<true, true>(view, row);
-  if (relief) return render<true, false>(view, row);
-  if (vehicle) return render<false, true>(view, row);
-  render<false, false>(view, row);
+  if (relief && vehicle) return render<true, true, kShadow>(view, row);
+  if (relief) return render<true, false, kShadow>(view, row);
+  if (vehicle) return render<false, true, kShadow>(view, row);
+  render<false, false, kShadow>(view, row);
+}
+
+void render_dispatched(const RenderView& view, const RenderRow& row) {
+  if (view.shadow_darkening_ratio > 0) return render_with<true>(view, row);
+  render_with<false>(view, row);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -46,6 +46,12 @@ struct RenderView {
   int vehicle_pitch = 0;
   int vehicle_width = 0;  ///< texture size in texels
   int vehicle_height = 0;
+
+  RayFunction shadow_along;  ///< along the sun's azimuth, in outer radii from the centre
+  RayFunction shadow_across;
+  float shadow_along_per_height = 0;  ///< displacement per metre of ground height
+  float shadow_ramp = 0;              ///< darkening: ramp x (1 - radius), within 0 to 1
+  float shadow_darkening_ratio = 0;   ///< 0: no shadow
 };
 
 /// Adjacent pixels of one row: `samples` bearings per pixel, each a row of `count` values.

@@ -29,10 +29,27 @@ void place_vehicle(const GroundTexture& paint, const VehiclePlacement& vehicle,
   view.vehicle_height = paint.levels()[0].height;
 }
 
+// Coordinates in outer radii. The shadow of the point at height z moves by z / tan(elevation)
+// towards the sun.
+void place_shadow(const ShadowPlacement& shadow, const Eigen::Matrix3d& R,
+                  const Eigen::Vector2d& camera, RenderView& view) {
+  const Eigen::Vector2d to_sun(std::cos(shadow.sun_azimuth_rad), std::sin(shadow.sun_azimuth_rad));
+  const Eigen::Vector2d along = std::sin(shadow.sun_elevation_rad) / shadow.outer_radius_m * to_sun;
+  const Eigen::Vector2d across = Eigen::Vector2d(-to_sun.y(), to_sun.x()) / shadow.outer_radius_m;
+  const Eigen::Vector2d from_shadow = camera - shadow.centre_in_world_m;
+  view.shadow_along = ray_function(R, along, along.dot(from_shadow));
+  view.shadow_across = ray_function(R, across, across.dot(from_shadow));
+  view.shadow_along_per_height =
+      static_cast<float>(std::cos(shadow.sun_elevation_rad) / shadow.outer_radius_m);
+  view.shadow_ramp =
+      static_cast<float>(shadow.outer_radius_m / (shadow.outer_radius_m - shadow.inner_radius_m));
+  view.shadow_darkening_ratio = static_cast<float>(shadow.darkening_ratio);
+}
+
 }  // namespace
 
 RenderView make_view(const Scene& scene, const RigidTransform& world_from_camera,
-                     const std::optional<VehiclePlacement>& vehicle, double sample_focal_px) {
+                     const GroundObjects& objects, double sample_focal_px) {
   const Eigen::Matrix3d R = world_from_camera.rotation.toRotationMatrix();
   const Eigen::Vector2d camera = world_from_camera.translation.head<2>();
   const double height = world_from_camera.translation.z();
@@ -76,9 +93,10 @@ RenderView make_view(const Scene& scene, const RigidTransform& world_from_camera
     view.relief_y = ray_function(R, {0, cells_per_metre}, cell(camera.y()));
     view.relief_metres_per_count = static_cast<float>(scene.relief->metres_per_count());
   }
-  if (scene.vehicle && vehicle) {
-    place_vehicle(*scene.vehicle, *vehicle, R, camera, view);
+  if (scene.vehicle && objects.vehicle) {
+    place_vehicle(*scene.vehicle, *objects.vehicle, R, camera, view);
   }
+  if (objects.shadow) place_shadow(*objects.shadow, R, camera, view);
   return view;
 }
 

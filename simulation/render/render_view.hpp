@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "simulation/render/render_kernel.hpp"
 #include "simulation/render/renderer.hpp"
 
@@ -10,7 +8,6 @@ namespace stillkite {
 /// Constants of the inner loop for one pose over one ground. Precondition: camera above z = 0.
 /// `sample_focal_px`: focal length in samples, which selects the pyramid level.
 [[nodiscard]] RenderView make_view(const Scene& scene, const RigidTransform& world_from_camera,
-                                   const std::optional<VehiclePlacement>& vehicle,
-                                   double sample_focal_px);
+                                   const GroundObjects& objects, double sample_focal_px);
 
 }  // namespace stillkite

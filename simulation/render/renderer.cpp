@@ -24,15 +24,16 @@ double offset(int sample, int supersampling) {
 
 }  // namespace
 
-Renderer::Renderer(const Camera& camera, int supersampling)
+Renderer::Renderer(const Camera& camera, int supersampling, const LensError& lens_error)
     : camera_(camera),
       supersampling_(supersampling),
-      padded_width_((camera.width_px + kRowPadding - 1) / kRowPadding * kRowPadding) {
+      padded_width_((camera.width_px + kRowPadding - 1) / kRowPadding * kRowPadding),
+      pinhole_(camera.distortion == DistortionModel::none && lens_error.terms.empty()) {
   check_rendering(camera, supersampling);
-  if (camera.distortion == DistortionModel::none) {
+  if (pinhole_) {
     tabulate_pinhole();
   } else {
-    tabulate_lens();
+    tabulate_lens(lens_error);
   }
 }
 
@@ -53,7 +54,7 @@ void Renderer::tabulate_pinhole() {
   }
 }
 
-void Renderer::tabulate_lens() {
+void Renderer::tabulate_lens(const LensError& lens_error) {
   const std::size_t samples = static_cast<std::size_t>(supersampling_) * supersampling_;
   const std::size_t width = padded_width_;
   x_.resize(samples * width * camera_.height_px);
@@ -65,7 +66,7 @@ void Renderer::tabulate_lens() {
         const double right = offset(static_cast<int>(sample) % supersampling_, supersampling_);
         for (int column = 0; column < padded_width_; ++column) {
           const std::optional<Eigen::Vector2d> bearing =
-              undistort(camera_, {column + right, row + down});
+              bearing_of(camera_, lens_error, {column + right, row + down});
           const std::size_t at = (row * samples + sample) * width + column;
           // outside the field of view: NaN fails the horizon comparison, so the sample is sky
           constexpr float kNoBearing = std::numeric_limits<float>::quiet_NaN();
@@ -78,21 +79,21 @@ void Renderer::tabulate_lens() {
 }
 
 cv::Mat Renderer::render(const Scene& scene, const RigidTransform& world_from_camera,
-                         const std::optional<VehiclePlacement>& vehicle) const {
+                         const GroundObjects& objects) const {
   cv::Mat image(camera_.height_px, camera_.width_px, CV_32FC1);
-  render_rows(scene, world_from_camera, vehicle, {0, camera_.height_px}, image);
+  render_rows(scene, world_from_camera, objects, {0, camera_.height_px}, image);
   return image;
 }
 
 void Renderer::render_rows(const Scene& scene, const RigidTransform& world_from_camera,
-                           const std::optional<VehiclePlacement>& vehicle, const cv::Range& rows,
+                           const GroundObjects& objects, const cv::Range& rows,
                            cv::Mat& image) const {
   if (!(world_from_camera.translation.z() > 0)) {
     image.rowRange(rows).setTo(scene.sky_grey);
     return;
   }
   const double sample_focal_px = supersampling_ * std::min(camera_.focal_x_px, camera_.focal_y_px);
-  const RenderView view = make_view(scene, world_from_camera, vehicle, sample_focal_px);
+  const RenderView view = make_view(scene, world_from_camera, objects, sample_focal_px);
   for (int column = 0; column < padded_width_; column += kStripWidth) {
     render_strip(view, column, std::min(kStripWidth, padded_width_ - column), rows, image);
   }
@@ -103,7 +104,6 @@ void Renderer::render_strip(const RenderView& frame_view, int first, int count,
   RenderView view = frame_view;
   const int samples = supersampling_ * supersampling_;
   const std::size_t width = padded_width_;
-  const bool pinhole = camera_.distortion == DistortionModel::none;
   std::array<float, kStripWidth> grey{};
   std::array<float, kMaxSamples * kStripWidth> heights{};
   std::array<float*, kMaxSamples> height_rows{};
@@ -116,8 +116,8 @@ void Renderer::render_strip(const RenderView& frame_view, int first, int count,
   for (int row = rows.start; row < rows.end; ++row) {
     for (int sample = 0; sample < samples; ++sample) {
       const std::size_t at = (static_cast<std::size_t>(row) * samples + sample) * width + first;
-      if (!pinhole) x_rows[sample] = &x_[at];
-      y_rows[sample] = pinhole ? &y_[row * supersampling_ + sample / supersampling_] : &y_[at];
+      if (!pinhole_) x_rows[sample] = &x_[at];
+      y_rows[sample] = pinhole_ ? &y_[row * supersampling_ + sample / supersampling_] : &y_[at];
     }
     // initial height: z = 0 in the first row, the row above in the others
     constexpr int kFirstSteps = 20;
@@ -127,7 +127,7 @@ void Renderer::render_strip(const RenderView& frame_view, int first, int count,
                       .samples = samples,
                       .bearing_x = x_rows.data(),
                       .bearing_y = y_rows.data(),
-                      .uniform_y = pinhole,
+                      .uniform_y = pinhole_,
                       .ground_height_m = height_rows.data(),
                       .grey = grey.data()});
     std::copy_n(grey.data(), std::min(count, camera_.width_px - first),

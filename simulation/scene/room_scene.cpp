@@ -113,6 +113,10 @@ void add_table(SceneBuilder& builder, const Eigen::Vector2d& at_m, double headin
 
 }  // namespace
 
+Eigen::Vector3d room_size_m() {
+  return {kLength_m, kWidth_m, kHeight_m};
+}
+
 PatchScene make_room(std::uint64_t seed) {
   Random random(seed, 1);
   SceneBuilder builder(seed);

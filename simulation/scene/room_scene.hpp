@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 
 #include "simulation/scene/patch_scene.hpp"
@@ -9,5 +10,8 @@ namespace stillkite {
 /// Laboratory of 12 x 10 x 4 m, deterministic in the seed; the world origin is the centre of its
 /// floor. Furniture and posters along the walls are at distances of 3 to 6 m.
 [[nodiscard]] PatchScene make_room(std::uint64_t seed);
+
+/// Length, width and height.
+[[nodiscard]] Eigen::Vector3d room_size_m();
 
 }  // namespace stillkite

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -141,6 +142,127 @@ TEST(CameraMount, TiltsOpticalAxisTowardsNose) {
       1e-12);
   // image right stays -y of the body
   EXPECT_LT((tilted * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY()).norm(), 1e-12);
+}
+
+// Reference: finite differences of the camera's position, body + R l.
+TEST(CameraMount, LeverArmMovesCameraInBody) {
+  SimulationConfig config = small_flight();
+  config.flight.yaw_sway_deg = 40;
+  config.flight.tilt_sway_deg = 10;
+  config.camera.frames_per_s = 100;
+  config.camera.forward_tilt_deg = 30;
+  config.camera.lever_arm_m = {0.3, -0.1, 0.05};
+  const FlightRecord record = record_flight(config);
+  const Eigen::Vector3d arm(0.3, -0.1, 0.05);
+  EXPECT_EQ(record.body_from_camera.translation, arm);
+  for (std::size_t k = 1; k < record.truth.size(); ++k) {
+    const RigidTransform& before = record.truth[k - 1].state.world_from_body;
+    const RigidTransform& after = record.truth[k].state.world_from_body;
+    const Eigen::Vector3d moved =
+        (after.translation + after.rotation * arm) - (before.translation + before.rotation * arm);
+    const Eigen::Quaterniond half_way =
+        before.rotation.slerp(0.5, after.rotation) * record.body_from_camera.rotation;
+    const Twist& twist = record.twists_in_camera[k - 1].twist;
+    EXPECT_LT((half_way * twist.velocity_m_s - moved / 0.01).norm(), 1e-4);
+  }
+}
+
+// A level aircraft with the camera l ahead of its origin sees what one l further ahead sees.
+TEST(CameraMount, LeverArmShiftsImage) {
+  SimulationConfig config = small_flight();
+  config.camera.noise_grey = 0;
+  config.flight.sway_m = config.flight.tilt_sway_deg = config.flight.yaw_sway_deg = 0;
+  const cv::Mat later = render_frames(config)[5];  // 2 m ahead
+  config.camera.lever_arm_m = {2, 0, 0};
+  const cv::Mat ahead = render_frames(config)[0];
+  EXPECT_LE(cv::norm(later, ahead, cv::NORM_INF), 1);
+}
+
+TEST(RenderFlight, RecordsArrivalStamps) {
+  SimulationConfig config = small_flight();
+  config.clock = {.image_delay_s = 0.03, .imu_offset_s = 0.1};
+  std::vector<Timestamp> stamps;
+  render_flight(config, {}, [&](const Frame& frame) { stamps.push_back(frame.stamp); });
+  const FlightRecord record = record_flight(config);
+  ASSERT_EQ(stamps.size(), record.truth.size());
+  for (std::size_t k = 0; k < stamps.size(); ++k) {
+    EXPECT_EQ(stamps[k].ns, record.truth[k].stamp.ns + 30'000'000);
+  }
+  EXPECT_EQ(record.imu.front().stamp.ns, 100'000'000);
+}
+
+TEST(RecordFlight, GapsRemoveImuReadingsOnly) {
+  SimulationConfig config = small_flight();
+  const std::vector<ImuReading> all = record_flight(config).imu;
+  config.imu.gap_s = 0.1;
+  config.imu.gap_every_s = 0.2;
+  const std::vector<ImuReading> kept = record_flight(config).imu;
+  std::size_t next = 0;
+  for (const ImuReading& reading : all) {
+    const bool is_lost = (reading.stamp.ns >= 200'000'000 && reading.stamp.ns < 300'000'000) ||
+                         reading.stamp.ns >= 400'000'000;
+    if (is_lost) continue;
+    ASSERT_LT(next, kept.size());
+    EXPECT_EQ(kept[next].stamp, reading.stamp);
+    EXPECT_EQ(kept[next].angular_rate_in_body_rad_s, reading.angular_rate_in_body_rad_s);
+    ++next;
+  }
+  EXPECT_EQ(next, kept.size());
+  EXPECT_EQ(all.size() - kept.size(), 21u);
+}
+
+// Full well 10000 electrons, 2 % light, amplifier 8: grey 120 gives 94.1 electrons of 0.204 grey.
+TEST(FlightCamera, NightHasPhotonNoise) {
+  FlightCameraConfig camera;
+  camera.noise_grey = 0.3;
+  camera.light_ratio = 0.02;
+  camera.amplifier_gain = 8;
+  camera.full_well_electrons = 10000;
+  const Exposure exposure = camera.exposure(1);
+  const double signal_grey = exposure.gain * 120;
+  EXPECT_NEAR(signal_grey, 94.1176 * 0.204, 1e-4);
+  EXPECT_NEAR(exposure.photon_variance_per_grey * signal_grey, 94.1176 * 0.204 * 0.204, 1e-4);
+  EXPECT_NEAR(exposure.noise_grey, 2.4, 1e-12);
+}
+
+SimulationConfig small_room_flight() {
+  SimulationConfig config = small_flight();
+  config.scene = FlightScene::room;
+  config.camera.noise_grey = 0;
+  config.camera.forward_tilt_deg = 80;
+  config.flight = {.shape = FlightShape::hand, .duration_s = 0.4, .height_m = 1.5, .sway_m = 0.2};
+  return config;
+}
+
+// Row of a rolling shutter = row of an instantaneous image at its time.
+TEST(RenderFlight, RollsShutterInRoom) {
+  SimulationConfig config = small_room_flight();
+  config.flight.yaw_sway_deg = 80;
+  config.camera.frames_per_s = 50;
+  const std::vector<cv::Mat> at_once = render_frames(config);
+  config.camera.frames_per_s = 25;
+  config.camera.readout_s = 0.04;
+  const cv::Mat rolled = render_frames(config)[5];
+  const auto difference = [&](int row, int frame) {
+    return cv::norm(rolled.row(row), at_once[static_cast<std::size_t>(frame)].row(row),
+                    cv::NORM_L1) /
+           rolled.cols;
+  };
+  EXPECT_LT(difference(0, 9), 0.5);
+  EXPECT_LT(difference(60, 10), 0.5);
+  EXPECT_LT(difference(119, 11), 0.5);
+  EXPECT_GT(difference(0, 10), 1.5);
+  EXPECT_GT(difference(119, 10), 1.5);
+}
+
+TEST(RenderFlight, ScenesDiffer) {
+  SimulationConfig config = small_room_flight();
+  const cv::Mat room = render_frames(config)[0];
+  config.scene = FlightScene::coast;
+  const cv::Mat coast = render_frames(config)[0];
+  EXPECT_GT(cv::norm(room, coast, cv::NORM_L1) / static_cast<double>(room.total()), 10);
+  // sky above, water below the horizon
+  EXPECT_GT(cv::mean(coast.row(0))[0], cv::mean(coast.row(119))[0] + 50);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ TEST_P(Derivatives, MatchFiniteDifferences) {
   config.tilt_sway_deg = 8;
   config.yaw_sway_deg = 20;
   const Trajectory trajectory = make_trajectory(config, 17);
-  constexpr double kStep_s = 1e-4;
+  constexpr double kStep_s = 3e-5;
   for (double t_s = 0.5; t_s < 150; t_s += 7.3) {
     const MotionState before = trajectory.at(t_s - kStep_s);
     const MotionState here = trajectory.at(t_s);
@@ -38,8 +38,59 @@ TEST_P(Derivatives, MatchFiniteDifferences) {
 
 INSTANTIATE_TEST_SUITE_P(Trajectory, Derivatives,
                          testing::Values(FlightShape::line, FlightShape::turn,
-                                         FlightShape::out_and_back),
+                                         FlightShape::out_and_back, FlightShape::hand),
                          [](const auto& shape) { return std::string(name_of(shape.param)); });
+
+// Reference: central differences of pose and velocity, through the start.
+TEST(Trajectory, RestsAndThenStartsSmoothly) {
+  FlightConfig config{.duration_s = 20, .height_m = 100, .rest_s = 3};
+  config.tilt_sway_deg = 8;
+  const Trajectory trajectory = make_trajectory(config, 17);
+  const MotionState start = trajectory.at(0);
+  const MotionState last = trajectory.at(3);
+  EXPECT_EQ(start.world_from_body.translation, last.world_from_body.translation);
+  EXPECT_LT((start.world_from_body.translation - Eigen::Vector3d(0, 0, 100)).norm(), 1e-9);
+  EXPECT_EQ(last.velocity_in_world_m_s.norm(), 0);
+  EXPECT_EQ(last.acceleration_in_world_m_s2.norm(), 0);
+  EXPECT_EQ(last.angular_rate_in_body_rad_s.norm(), 0);
+  EXPECT_LT((trajectory.at(20).world_from_body.translation - Eigen::Vector3d(1000, 100, 50)).norm(),
+            1e-9);
+  constexpr double kStep_s = 1e-5;
+  for (double t_s = 2.95; t_s < 4.3; t_s += 0.0917) {
+    const MotionState before = trajectory.at(t_s - kStep_s);
+    const MotionState here = trajectory.at(t_s);
+    const MotionState after = trajectory.at(t_s + kStep_s);
+    const Eigen::Vector3d velocity =
+        (after.world_from_body.translation - before.world_from_body.translation) / (2 * kStep_s);
+    const Eigen::Vector3d acceleration =
+        (after.velocity_in_world_m_s - before.velocity_in_world_m_s) / (2 * kStep_s);
+    const Eigen::Vector3d rate =
+        so3_log(before.world_from_body.rotation.conjugate() * after.world_from_body.rotation) /
+        (2 * kStep_s);
+    EXPECT_LT((velocity - here.velocity_in_world_m_s).norm(), 1e-5) << t_s;
+    EXPECT_LT((acceleration - here.acceleration_in_world_m_s2).norm(), 1e-4) << t_s;
+    EXPECT_LT((rate - here.angular_rate_in_body_rad_s).norm(), 1e-6) << t_s;
+  }
+}
+
+TEST(Trajectory, HandMotionHasConfiguredRmsAndBand) {
+  FlightConfig config{
+      .shape = FlightShape::hand, .duration_s = 150, .height_m = 1.5, .sway_m = 0, .hand_m = 0.04};
+  config.tilt_sway_deg = config.yaw_sway_deg = 0;
+  const Trajectory trajectory = make_trajectory(config, 5);
+  EXPECT_LT((trajectory.at(0).world_from_body.translation - Eigen::Vector3d(0, 0, 1.5)).norm(),
+            1e-9);
+  for (const Signal* signal : {&trajectory.x_m, &trajectory.z_m, &trajectory.roll_rad}) {
+    double power = 0;
+    for (const Signal::Sine& sine : signal->sines) {
+      if (sine.amplitude == 0) continue;
+      power += 0.5 * sine.amplitude * sine.amplitude;
+      EXPECT_GE(sine.frequency_rad_s, 2 * std::numbers::pi * 0.3);
+      EXPECT_LE(sine.frequency_rad_s, 2 * std::numbers::pi * 3 * (1 + 1e-9));
+    }
+    EXPECT_NEAR(std::sqrt(power), signal == &trajectory.roll_rad ? 2 * kDegree : 0.04, 1e-9);
+  }
+}
 
 TEST(Trajectory, DefaultsToFlowPaperFlight) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -113,7 +164,8 @@ TEST(Trajectory, TurnIsCoordinated) {
   }
 }
 
-TEST(Trajectory, RejectsGroundContactAndZeroTurnRate) {
+TEST(Trajectory, RejectsGroundContactZeroTurnRateAndRestWithoutFlight) {
+  EXPECT_THROW((void)make_trajectory({.duration_s = 5, .rest_s = 4.5}, 1), InputError);
   EXPECT_THROW((void)make_trajectory({.climb_m = -399}, 1), InputError);
   EXPECT_THROW((void)make_trajectory({.shape = FlightShape::turn, .turn_rate_deg_s = 0}, 1),
                InputError);

@@ -31,6 +31,20 @@ TEST(Develop, NoiseHasConfiguredVarianceAndKurtosis) {
   EXPECT_NEAR(square.dot(square) / count / (variance * variance), 2.85, 0.03);
 }
 
+// Variance of read noise, photon noise of the signal and quantization.
+TEST(Develop, PhotonNoiseGrowsWithSignal) {
+  for (const float irradiance : {20.0F, 80.0F}) {
+    const cv::Mat even(500, 700, CV_32FC1, cv::Scalar(irradiance));
+    cv::Mat grey;
+    develop(even, {.gain = 2, .noise_grey = 3, .photon_variance_per_grey = 0.4}, 5)
+        .convertTo(grey, CV_64FC1, 1, -2 * irradiance);
+    const double count = static_cast<double>(grey.total());
+    EXPECT_NEAR(cv::sum(grey)[0] / count, 0, 0.05);
+    const double variance = 9 + 0.4 * 2 * irradiance + 1.0 / 12;
+    EXPECT_NEAR(grey.dot(grey) / count, variance, 0.01 * variance);
+  }
+}
+
 TEST(Develop, NoiseIsIndependentBetweenPixelsAndImages) {
   const cv::Mat noise = noise_of(10, 5);
   const double limit = 4.5 / std::sqrt(static_cast<double>(noise.total()));

@@ -167,7 +167,7 @@ TEST(Renderer, RendersVehicleAtItsPosition) {
                     .vehicle = std::make_shared<GroundTexture>(white, 1.0)};
   const RigidTransform pose = tilted(25, 8, -4, {0, 0, 100});
   const VehiclePlacement vehicle{{6, -9}, 0.7, 30, 12};
-  const cv::Mat image = Renderer(camera, 1).render(scene, pose, vehicle);
+  const cv::Mat image = Renderer(camera, 1).render(scene, pose, {.vehicle = vehicle});
   const Eigen::Rotation2Dd vehicle_from_world(-vehicle.heading_rad);
   for (int row = 0; row < camera.height_px; ++row) {
     for (int column = 0; column < camera.width_px; ++column) {
