@@ -59,9 +59,9 @@ CONSISTENCY = {}
 for name, group in GROUPS.items():
     path = f"evaluation.consistency.{group}."
     CONSISTENCY[f"{name}_beyond_3"] = Figure(
-        f"{name} beyond 99.73 %, %", scaled(path + "share_beyond_3_sigma", 100), floor=1)
+        f"{name} beyond 99.73 %, %", scaled(path + "share_beyond_3_sigma", 100), floor=3)
     CONSISTENCY[f"{name}_beyond_5"] = Figure(
-        f"{name} beyond 5 sigma, %", scaled(path + "share_beyond_5_sigma", 100), floor=1)
+        f"{name} beyond 5 sigma, %", scaled(path + "share_beyond_5_sigma", 100), floor=3)
     CONSISTENCY[f"{name}_ratio"] = Figure(
         f"{name} sigma / RMS error", scaled(path + "sigma_over_rms"), False, floor=0.1)
 FIGURES = {**ERRORS, **CONSISTENCY}

@@ -12,6 +12,7 @@ BUILD = ROOT / "build/release"
 STILLKITE = BUILD / "app/stillkite"
 MAKE_VARIANT = BUILD / "bench/bench_recording_variant"
 CONFIGS = ROOT / "bench/recordings"
+SOURCES = [*(ROOT / "bench").glob("recording*.cpp"), ROOT / "bench/codec_round_trip.cpp"]
 DATA = pathlib.Path(os.environ.get("STILLKITE_DATA", ROOT.parent / "shared/data"))
 
 # The last third of a recording is for judging; a simulated flight is in one part as a whole.
@@ -54,11 +55,10 @@ class Flight:
 def recorded_flights(names, variants=None):
     truths = {"hover_static": "at_rest", "indoor_standing": "at_rest", "slider_depth": "identity_attitude",
               "indoor_hover": "none", "bare_h264": "none"}
-    few_images = {"hover_static", "indoor_standing"}  # below three seconds: offsets overlap
     flights = []
     for name in names:
         truth = truths.get(name, "recorded")
-        own = WITHOUT_TRUTH if truth == "none" or name in few_images else ALL
+        own = WITHOUT_TRUTH if truth == "none" else ALL
         kept = [v for v in variants or own if v in own]
         flights += [Flight(name, part, CONFIGS / f"{name}.yaml", tuple(kept), span, f"{name}-{part}", truth)
                     for part, span in PARTS.items()]
@@ -93,8 +93,8 @@ class Variants:
         return self.folder / flight.name / self.kind(variant)
 
     def missing(self, flight):
-        """Kinds whose folder is missing or older than the program or the configuration."""
-        newest = max(MAKE_VARIANT.stat().st_mtime, flight.config.stat().st_mtime)
+        """Kinds whose folder is missing or older than its sources; the program changes with every library."""
+        newest = max(file.stat().st_mtime for file in (*SOURCES, flight.config))
         kinds = {self.kind(v) for v in flight.variants}
         return sorted(kind for kind in kinds if not (self.folder / flight.name / kind / "mav0").exists()
                       or (self.folder / flight.name / kind).stat().st_mtime < newest)
