@@ -34,7 +34,8 @@ JUDGING_GROUNDS = {"construction", "field_weak_texture", "shore_b"}  # and even 
 # A variant's folder holds lens, mount, truth and IMU: the configuration's own are reset.
 IN_FOLDER = {"source.start_s": 0, "source.end_s": None, "source.rate_hz": None, "calibration.path": None,
              "calibration.camera": None, "mount.down_deg": None, "mount.rotation_wxyz": None,
-             "truth.path": None, "truth.positions": None, "truth.ground_z_m": 0}
+             "truth.path": None, "truth.positions": None, "truth.ground_z_m": 0, "truth.time_offset_s": 0,
+             "imu.time_offset_s": None, "imu.rotation_wxyz": None}
 
 
 @dataclasses.dataclass(frozen=True)
