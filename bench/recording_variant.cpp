@@ -2,9 +2,8 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -108,6 +107,7 @@ void write_variant(const Options& options) {
 int run(int argc, char** argv) {
   Options options;
   std::vector<std::string> names;
+  names.reserve(kKinds.size());
   for (const Kind& kind : kKinds) names.emplace_back(kind.name);
   CLI::App app("Variant of a recording whose truth follows exactly, in EuRoC layout");
   app.add_option("config", options.config, "configuration of a run: images, calibration, truth")
