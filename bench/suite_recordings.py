@@ -78,40 +78,41 @@ def simulated_flights(folder, variants):
     return flights
 
 
+def kind_of(variant):
+    """Kind of folder that a variant reads: starts share the recording, priors the one at x = y = 0."""
+    if variant in STARTS:
+        return "recorded"
+    return "from_origin" if variant in PRIORS else variant
+
+
 class Variants:
     """Cache of variant folders."""
 
     def __init__(self, folder):
         self.folder = folder
 
-    def kind(self, variant):
-        """Folder that a variant reads: starts share the recording, priors the one at x = y = 0."""
-        if variant in STARTS:
-            return "recorded"
-        return "from_origin" if variant in PRIORS else variant
-
     def path(self, flight, variant):
-        return self.folder / flight.name / self.kind(variant)
+        return self.folder / flight.name / kind_of(variant)
 
     def missing(self, flight):
         """Kinds whose folder is missing or older than its sources; the program changes with every library."""
         newest = max(file.stat().st_mtime for file in (*SOURCES, flight.config))
-        kinds = {self.kind(v) for v in flight.variants}
+        kinds = {kind_of(v) for v in flight.variants}
         return sorted(kind for kind in kinds if not (self.folder / flight.name / kind / "mav0").exists()
                       or (self.folder / flight.name / kind).stat().st_mtime < newest)
 
     def make(self, flight, kind):
+        """Standard error of the program if it failed."""
         out = self.folder / flight.name / kind
         for old in (out, out.with_name(out.name + ".part")):
             shutil.rmtree(old, ignore_errors=True)
         out.parent.mkdir(parents=True, exist_ok=True)
-        config = flight.config
         arguments = ["--kind", kind, "--from", str(flight.span[0]), "--to", str(flight.span[1]), "--out", out]
         if flight.truth in ("at_rest", "identity_attitude"):
             arguments.append("--" + flight.truth.replace("_", "-"))
         if flight.imu:
             arguments += ["--set", f"imu.path={flight.imu}"]
-        run = subprocess.run([MAKE_VARIANT, config, *map(str, arguments)], capture_output=True, text=True,
+        run = subprocess.run([MAKE_VARIANT, flight.config, *map(str, arguments)], capture_output=True, text=True,
                              env={**os.environ, "STILLKITE_DATA": str(DATA)})
         return run.stderr.strip() if run.returncode else None
 
