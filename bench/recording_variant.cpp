@@ -91,7 +91,8 @@ Recording source_of(const Options& options) {
   const RunConfig config = load_run_config(options.config, options.overrides);
   Recording recording = read_recording(config);
   if (options.at_rest) recording.poses = poses_at_rest(recording, config);
-  if (options.identity_attitude) recording = with_rotated_world(recording);
+  // at rest the attitude may be the identity in every row
+  if (options.at_rest || options.identity_attitude) recording = with_rotated_world(recording);
   return part_of(recording, options.from_ratio, options.to_ratio);
 }
 
