@@ -72,12 +72,12 @@ void paint_text(cv::Mat& image) {
 SimulationConfig demo_flight(int seed) {
   SimulationConfig config;
   config.seed = seed;
-  config.camera = {.width_px = 640,
-                   .height_px = 480,
-                   .focal_x_px = 480,
-                   .focal_y_px = 480,
-                   .centre_x_px = 319.5,
-                   .centre_y_px = 239.5};
+  static_cast<SimulatedCameraConfig&>(config.camera) = {.width_px = 640,
+                                                        .height_px = 480,
+                                                        .focal_x_px = 480,
+                                                        .focal_y_px = 480,
+                                                        .centre_x_px = 319.5,
+                                                        .centre_y_px = 239.5};
   config.flight.duration_s = 8;
   config.flight.height_m = 20;
   config.flight.forward_m = 30;

@@ -224,7 +224,9 @@ NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdic
   out.reference->motion.source = EstimateSource::reference;
   out.reference->motion.status = status_of(verdict);
   out.reference->motion.twist_in_camera = twist_;
-  if (twist_) out.reference->measured_rate_in_camera_rad_s = twist_->angular_rate_rad_s;
+  if (twist_ && verdict == Verdict::ok) {
+    out.reference->measured_rate_in_camera_rad_s = twist_->angular_rate_rad_s;
+  }
   return out;
 }
 
