@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -20,7 +21,9 @@ using Eigen::Vector3d;
 class GyroIntegral {
  public:
   explicit GyroIntegral(const TimeSeries<Vector3d>& gyro)
-      : stamps_(gyro.stamps), at_(stamps_.size(), {Vector3d::Zero(), 0}) {
+      : stamps_(gyro.stamps),
+        max_gap_s_(gyro.max_gap_s),
+        at_(stamps_.size(), {Vector3d::Zero(), 0}) {
     for (std::size_t i = 1; i < stamps_.size(); ++i) {
       const double dt_s = seconds_between(stamps_[i - 1], stamps_[i]);
       const bool is_gap = dt_s > gyro.max_gap_s;
@@ -46,13 +49,15 @@ class GyroIntegral {
     const auto after = std::lower_bound(stamps_.begin(), stamps_.end(), stamp);
     if (after == stamps_.end() || after == stamps_.begin()) return std::nullopt;
     const auto i = static_cast<std::size_t>(after - stamps_.begin());
-    const double ratio =
-        seconds_between(stamps_[i - 1], stamp) / seconds_between(stamps_[i - 1], stamps_[i]);
+    const double interval_s = seconds_between(stamps_[i - 1], stamps_[i]);
+    if (interval_s > max_gap_s_ && stamp != stamps_[i]) return std::nullopt;
+    const double ratio = seconds_between(stamps_[i - 1], stamp) / interval_s;
     return Sum{at_[i - 1].rotation_rad + ratio * (at_[i].rotation_rad - at_[i - 1].rotation_rad),
                at_[i].gaps};
   }
 
   const std::vector<Timestamp>& stamps_;
+  double max_gap_s_;
   std::vector<Sum> at_;
 };
 
@@ -155,6 +160,21 @@ struct ClockOffset {
   double explained = 0;
 };
 
+// Intervals that the log covers at each of the offsets, so that their sums are comparable.
+std::vector<ObservedRotation> covered(const GyroIntegral& gyro,
+                                      std::span<const ObservedRotation> observed,
+                                      std::span<const double> offsets_s) {
+  std::vector<ObservedRotation> out;
+  for (const ObservedRotation& rotation : observed) {
+    const bool is_covered = std::ranges::all_of(offsets_s, [&](double offset_s) {
+      const std::int64_t ns = std::llround(1e9 * offset_s);
+      return gyro.between({rotation.from.ns + ns}, {rotation.to.ns + ns}).has_value();
+    });
+    if (is_covered) out.push_back(rotation);
+  }
+  return out;
+}
+
 // Least squares over offsets within 5 s. Of several that explain a periodic motion, the smallest.
 ClockOffset clock_offset(const GyroIntegral& gyro, std::span<const ObservedRotation> observed,
                          int min_pairs) {
@@ -183,9 +203,19 @@ ClockOffset clock_offset(const GyroIntegral& gyro, std::span<const ObservedRotat
     (direction > 0 ? after : before) = explained_at(best + direction);
   }
   // parabola through three steps; sigma by the residual of 3 components per interval
+  const std::vector<ObservedRotation> same = covered(
+      gyro, observed, std::array{kStep_s * (best - 1), kStep_s * best, kStep_s * (best + 1)});
+  const auto fraction = [&](int step) {
+    return rotation_sums(gyro, same, kStep_s * step).explained_fraction(Matrix3d::Identity());
+  };
+  if (!same.empty()) {
+    before = fraction(best - 1);
+    explained = fraction(best);
+    after = fraction(best + 1);
+  }
   const double curvature = std::max(2 * explained - before - after, 1e-12);
   const double shift = 0.5 * (after - before) / curvature;
-  const int count = rotation_sums(gyro, observed, kStep_s * best).count;
+  const double count = std::max(1.0, static_cast<double>(same.size()));
   return {
       .offset_s = kStep_s * (best + shift),
       .sigma_s = kStep_s * std::sqrt(2 * std::max(0.0, 1 - explained) / (3 * count * curvature)),

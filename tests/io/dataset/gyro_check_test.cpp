@@ -56,6 +56,28 @@ TEST(GyroCheck, AcceptsConsistentRotations) {
   EXPECT_EQ(message(f), "");
 }
 
+// Readings are missing for 1 s of every 3 s.
+Flight with_gaps(Flight f) {
+  TimeSeries<Vector3d> kept{.stamps = {}, .values = {}, .max_gap_s = 0.02};
+  for (std::size_t i = 0; i < f.gyro.stamps.size(); ++i) {
+    if (std::fmod(to_seconds(f.gyro.stamps[i]), 3) > 2) continue;
+    kept.stamps.push_back(f.gyro.stamps[i]);
+    kept.values.push_back(f.gyro.values[i]);
+  }
+  f.gyro = kept;
+  return f;
+}
+
+TEST(GyroCheck, AcceptsConsistentRotationsWithGaps) {
+  EXPECT_EQ(message(with_gaps(flight())), "");
+}
+
+// A straight line over a gap is no reading.
+TEST(GyroCheck, DetectsClockOffsetWithGaps) {
+  const Flight f = with_gaps(flight(0.06));
+  EXPECT_TRUE(mentions(f, "0.06 s ahead")) << message(f);
+}
+
 TEST(GyroCheck, DetectsDegreesInsteadOfRadians) {
   Flight f = flight();
   for (Vector3d& rate : f.gyro.values) rate /= kDegree;
