@@ -9,7 +9,6 @@ extern "C" {
 #include <fmt/core.h>
 
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <stdexcept>

@@ -55,7 +55,7 @@ Recording read_recording(const RunConfig& config) {
                       .imu = inputs.sensors.imu,
                       .imu_noise = {}};
   while (const auto frame = source.next()) {
-    recording.images.push_back({frame->stamp, frame->grey.clone()});
+    recording.images.push_back({frame->recorded_stamp, frame->grey.clone()});
   }
   if (config.imu.path) {
     if (const auto description = read_imu_description(*config.imu.path)) {

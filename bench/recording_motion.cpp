@@ -53,7 +53,7 @@ std::optional<std::size_t> image_at(const std::vector<RecordedImage>& images, Ti
 }
 
 // True twists of one interval, each over its own part, averaged in the camera at its middle.
-// Nullopt without a row for each of the `n` parts.
+// Nullopt without a row for each image after `first`.
 std::optional<Twist> mean_over(const Recording& recording, std::size_t first, std::size_t last) {
   constexpr double kTolerance_s = 0.05;
   const auto camera_at = [&](Timestamp a, Timestamp b) {
@@ -157,11 +157,11 @@ Recording from_origin(const Recording& recording) {
 }
 
 Recording with_rotated_world(const Recording& recording) {
-  const RigidTransform turn{
+  const RigidTransform rotation{
       Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ())),
       Eigen::Vector3d::Zero()};
   Recording out = recording;
-  for (StampedPose& pose : out.poses) pose.world_from_body = turn * pose.world_from_body;
+  for (StampedPose& pose : out.poses) pose.world_from_body = rotation * pose.world_from_body;
   return out;
 }
 

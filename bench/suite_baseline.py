@@ -21,7 +21,7 @@ def figures_of(summary):
             for recording, policies in recordings.items()
             for policy, figures in policies.items()
             for name, row in figures.items() if not name.endswith("_ratio")
-            for statistic in TOLERANCES}
+            for statistic in (*TOLERANCES, "missing")}
 
 
 def round_value(value):
@@ -30,6 +30,8 @@ def round_value(value):
 
 def limit_of(key, was):
     *_, name, statistic = key.split()
+    if statistic == "missing":
+        return was
     figure = FIGURES[name]
     margin = max(figure.floor, TOLERANCES[statistic] * abs(was))
     return was + margin if figure.high_is_worse else was - margin
@@ -47,6 +49,6 @@ def regressions(file, summary):
         figure = FIGURES[key.split()[-2]]
         if value is None:
             found.append(f"{key}: was {was}, is missing")
-        elif (value > limit) if figure.high_is_worse else (value < limit):
+        elif (value > limit) if figure.high_is_worse or key.endswith("missing") else (value < limit):
             found.append(f"{key}: was {was}, is {value}, limit {limit:.4g}")
     return found

@@ -17,6 +17,7 @@ struct Frame {
   cv::Mat grey;
   std::shared_ptr<const ImageMask> mask;  ///< null: all pixels are valid
   double stamp_sigma_s = 0;               ///< jitter of the stamp, as FilteredStamp::sigma_s
+  Timestamp recorded_stamp{};             ///< of the source, before StampFilter
 };
 
 }  // namespace stillkite

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "geometry/median.hpp"
@@ -66,7 +67,8 @@ class PeriodCounts {
 
   // Variance of the last count, by how often such a stamp turned out to be late.
   [[nodiscard]] double last_variance() const {
-    const double late = static_cast<double>(late_) / std::max(late_ + missed_, 1);
+    if (!may_be_late(last_missed_)) return 0;
+    const double late = (late_ + 1.0) / (late_ + missed_ + 2.0);
     return late * (1 - late) * square(last_missed_);
   }
 
@@ -81,18 +83,25 @@ class PeriodCounts {
     };
     const double first = count(i);
     last_missed_ = first - 1;
-    if (i + 1 == stamps_.size()) return late_ > missed_ ? 1 : first;
+    if (i + 1 == stamps_.size()) {
+      return may_be_late(last_missed_) && late_ > missed_ ? 1 : first;
+    }
     double least = first;
     const std::size_t end = std::min(i + 1 + kNext, stamps_.size());
     for (std::size_t j = i + 1; j < end; ++j) least = std::min(least, count(j));
     if (first > 1) ++(least < first ? late_ : missed_);
+    latest_ = std::max(latest_, first - least);
     return least;
   }
+
+  // Periods by which a stamp may be late: no more than one was in the window.
+  [[nodiscard]] bool may_be_late(double periods) const { return periods > 0 && periods <= latest_; }
 
   std::span<const Timestamp> stamps_;
   double median_s_;
   std::vector<double> counts_;
   int late_ = 0, missed_ = 0;
+  double latest_ = 0;       // periods
   double last_missed_ = 0;  // by the last stamp alone
 };
 
@@ -115,9 +124,14 @@ double rounding_variance(double resolution_s) {
 
 }  // namespace
 
-StampFilter::StampFilter(double resolution_s)
-    : resolution_s_(resolution_s),
-      hypotheses_(kRatios.size(), {.weight = 1.0 / kRatios.size(), .scale_s2 = 0}) {}
+StampFilter::StampFilter(double resolution_s) : resolution_s_(resolution_s) {
+  forget_variances();
+}
+
+void StampFilter::forget_variances() {
+  hypotheses_.assign(kRatios.size(), {.weight = 1.0 / kRatios.size(), .scale_s2 = 0});
+  learned_from_ = 0;
+}
 
 void StampFilter::learn(std::span<const Timestamp> stamps) {
   stamps = stamps.first(std::min(stamps.size(), kWindow));
@@ -139,21 +153,22 @@ void StampFilter::learn(const std::vector<TimeFilter>& filters, std::size_t stam
 
 FilteredStamp StampFilter::next(Timestamp stamp) {
   constexpr double kNegligibleRatio = 1e-3, kMinStepRatio = 0.1;
+  const bool has_rate_changed = is_rate_change(stamp);
+  if (has_rate_changed) forget_variances();
+  if (has_rate_changed || is_interrupted_by(stamp)) return restart(stamp);
   if (window_.size() == kWindow) window_.erase(window_.begin());
   window_.push_back(stamp);
   const std::optional<Timestamp> before = std::exchange(last_, stamp);
   if (!before) return {.stamp = stamp};
   if (resolution_s_ == 0 && window_.size() >= kMinSmoothed && *before < stamp &&
       is_regular(window_)) {  // the common case
-    jitter_s_ = 0;
+    jitter_s_ = interval_sigma_s_ = 0;
     period_s_ = seconds_between(window_[window_.size() - 2], stamp);
     return {.stamp = stamp};
   }
   const PeriodCounts counts(window_);
   const std::vector<TimeFilter> filters = filters_of(window_, counts);
-  if (window_.size() > learned_from_ && window_.size() >= kMinStamps) {
-    learn(filters, window_.size());
-  }
+  if (window_.size() >= std::max(learned_from_, kMinStamps)) learn(filters, window_.size());
   set_jitter(filters);
   if (jitter_s_ * std::numbers::sqrt2 < kNegligibleRatio * period_s_) jitter_s_ = 0;
   if (jitter_s_ == 0 && *before < stamp) return {.stamp = stamp};
@@ -168,21 +183,73 @@ FilteredStamp StampFilter::next(Timestamp stamp) {
   const double before_s = seconds_between(window_[0], *before);
   time_s = std::max(time_s, before_s + kMinStepRatio * period_s_);
   last_ = Timestamp{window_[0].ns + std::llround(1e9 * time_s)};
-  const double variance_s2 =
+  double variance_s2 =
       step_variance(filters, time_s - before_s) + counts.last_variance() * square(period_s_);
+  if (std::abs(residuals_s_[0]) > residual_limit_s_) {  // late, or at another rate
+    const double interval_s = seconds_between(window_[window_.size() - 2], stamp);
+    variance_s2 += square(residuals_s_[0]) + square(time_s - before_s - interval_s);
+  }
   return {.stamp = *last_, .sigma_s = std::sqrt(variance_s2 / 2)};
 }
 
+// The correction of the stamp before becomes an error of this interval.
+FilteredStamp StampFilter::restart(Timestamp stamp) {
+  const double correction_s = seconds_between(window_.back(), *last_);
+  window_.assign(1, stamp);
+  last_ = stamp;
+  return {.stamp = stamp, .sigma_s = std::abs(correction_s) / std::numbers::sqrt2};
+}
+
+// White jitter gives a residual that its neighbours take back.
+bool StampFilter::is_rate_change(Timestamp stamp) {
+  constexpr double kSigmas = 3, kMinRatio = 0.01;
+  if (window_.size() < kMinSmoothed) {
+    residuals_s_.fill(0);
+    residual_limit_s_ = 0;
+    return false;
+  }
+  const double interval_s = seconds_between(window_.back(), stamp);
+  const double periods = std::max(1.0, std::round(interval_s / period_s_));
+  residual_limit_s_ = std::max(kSigmas * interval_sigma_s_, kMinRatio * period_s_);
+  std::ranges::rotate(residuals_s_, residuals_s_.end() - 1);
+  residuals_s_[0] = interval_s - periods * period_s_;
+  // the stamp before was late alone
+  const double two_s = seconds_between(window_[window_.size() - 2], stamp);
+  if (std::abs(two_s - 2 * period_s_) < residual_limit_s_) residuals_s_[0] = 0;
+  // three of four beyond the limit, or all of one sign
+  const auto is_beyond = [this](double residual_s) {
+    return std::abs(residual_s) > residual_limit_s_;
+  };
+  const auto has_sign_of_last = [this](double residual_s) {
+    return residual_s * residuals_s_[0] > 0;
+  };
+  const double sum_s = std::accumulate(residuals_s_.begin(), residuals_s_.end(), 0.0);
+  const double count = static_cast<double>(residuals_s_.size());
+  return std::ranges::count_if(std::span(residuals_s_).first<4>(), is_beyond) >= 3 ||
+         (is_beyond(sum_s / std::sqrt(count)) &&
+          std::ranges::all_of(residuals_s_, has_sign_of_last));
+}
+
+// After a long gap, or a step back, the former times say nothing about the next ones.
+bool StampFilter::is_interrupted_by(Timestamp stamp) const {
+  constexpr double kMaxPeriods = 8;
+  if (window_.empty()) return false;
+  const double interval_s = seconds_between(window_.back(), stamp);
+  return interval_s <= 0 || (window_.size() >= kMinStamps && interval_s > kMaxPeriods * period_s_);
+}
+
 void StampFilter::set_jitter(const std::vector<TimeFilter>& filters) {
-  double variance_s2 = 0;
+  double jitter_s2 = 0, interval_s2 = 0;
   period_s_ = 0;
   for (std::size_t i = 0; i < filters.size(); ++i) {
-    const Hypothesis& hypothesis = hypotheses_[i];
-    period_s_ += hypothesis.weight * filters[i].period_s();
-    variance_s2 += hypothesis.weight * std::max(filters[i].jitter() * hypothesis.scale_s2,
-                                                rounding_variance(resolution_s_));
+    const auto& [weight, scale_s2] = hypotheses_[i];
+    const double own_s2 = std::max(kRatios[i].jitter * scale_s2, rounding_variance(resolution_s_));
+    period_s_ += weight * filters[i].period_s();
+    jitter_s2 += weight * own_s2;
+    interval_s2 += weight * (kRatios[i].interval * scale_s2 + 2 * own_s2);
   }
-  jitter_s_ = std::sqrt(variance_s2);
+  jitter_s_ = std::sqrt(jitter_s2);
+  interval_sigma_s_ = std::sqrt(interval_s2);
 }
 
 // Variance of a step that was made, under all hypotheses.
@@ -190,7 +257,7 @@ double StampFilter::step_variance(const std::vector<TimeFilter>& filters, double
   const double rounding_s2 = rounding_variance(resolution_s_);
   double variance_s2 = 0;
   for (std::size_t i = 0; i < filters.size(); ++i) {
-    const double jitter = filters[i].jitter();
+    const double jitter = kRatios[i].jitter;
     const double scale_s2 = hypotheses_[i].scale_s2;
     const double own_s2 =
         jitter > 0 ? filters[i].step_variance() * std::max(scale_s2, rounding_s2 / jitter)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -35,10 +36,11 @@ class StampFilter {
   /// `resolution_s`: step to which the stamps are rounded; 0: unknown.
   explicit StampFilter(double resolution_s = 0);
 
-  /// First stamps of a stream, where they are known in advance.
+  /// Estimates the variances from the first stamps of a stream that is known in advance.
   void learn(std::span<const Timestamp> stamps);
 
-  /// `stamp`: later than the one before. The returned stamps ascend. The first 16 of a stream that
+  /// The returned stamps ascend while the given ones do; a step back, a gap of more than eight
+  /// intervals or another frame rate starts anew. The first 16 of a stream that
   /// is not known in advance are returned as they are, with the sigma of their jitter so far.
   FilteredStamp next(Timestamp stamp);
 
@@ -55,11 +57,17 @@ class StampFilter {
   };
 
   void learn(const std::vector<TimeFilter>& filters, std::size_t stamps);
+  void forget_variances();
+  FilteredStamp restart(Timestamp stamp);
+  [[nodiscard]] bool is_rate_change(Timestamp stamp);
+  [[nodiscard]] bool is_interrupted_by(Timestamp stamp) const;
   void set_jitter(const std::vector<TimeFilter>& filters);
   [[nodiscard]] double step_variance(const std::vector<TimeFilter>& filters, double step_s) const;
 
   double resolution_s_;
-  double jitter_s_ = 0, period_s_ = 0;
+  double jitter_s_ = 0, interval_sigma_s_ = 0, period_s_ = 0;
+  std::array<double, 6> residuals_s_{};  // of the last intervals to whole periods, latest first
+  double residual_limit_s_ = 0;
   std::vector<Hypothesis> hypotheses_;  // of each ratio
   std::size_t learned_from_ = 0;        // stamps
   std::vector<Timestamp> window_;       // last stamps, as given

@@ -24,10 +24,9 @@ class TimeFilter {
   /// Last step from one estimated time to the next, and the variance of its error.
   [[nodiscard]] double step_s() const { return step_s_; }
   [[nodiscard]] double step_variance() const { return step_variance_; }
-  [[nodiscard]] double jitter() const { return r_; }
   /// Scale by maximum likelihood; 0 below three stamps.
   [[nodiscard]] double scale_s2() const { return count_ > 0 ? squares_ / count_ : 0; }
-  /// Of the ratio; the scale is integrated out with the prior 1 / scale.
+  /// Log-likelihood of the ratio, with the scale integrated out by the prior 1 / scale.
   [[nodiscard]] double log_likelihood() const;
 
  private:

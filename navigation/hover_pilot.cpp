@@ -32,9 +32,11 @@ HoverPilot::~HoverPilot() = default;
 HoverPilot::HoverPilot(HoverPilot&&) noexcept = default;
 HoverPilot& HoverPilot::operator=(HoverPilot&&) noexcept = default;
 
-HoldStep HoverPilot::step(const ImageView& image, Timestamp stamp,
-                          const TetheredReadings& readings) {
-  const PilotStep result = step(state_->copies.copy(image, stamp), readings);
+HoldStep HoverPilot::step(const ImageView& image, Timestamp stamp, const TetheredReadings& readings,
+                          double stamp_sigma_s) {
+  Frame frame = state_->copies.copy(image, stamp);
+  frame.stamp_sigma_s = stamp_sigma_s;
+  const PilotStep result = step(frame, readings);
   return {.estimate = public_estimate(result.estimate, state_->body_from_camera),
           .decision = result.decision};
 }

@@ -44,7 +44,8 @@ class HoverPilot {
   HoverPilot& operator=(HoverPilot&&) noexcept;
 
   /// Estimate and command from an image; pixels, stamp and errors as for Navigator::step.
-  HoldStep step(const ImageView& image, Timestamp stamp, const TetheredReadings& readings);
+  HoldStep step(const ImageView& image, Timestamp stamp, const TetheredReadings& readings,
+                double stamp_sigma_s = 0);
 
   /// Internal, for the program `stillkite`: as Navigator::step(Frame); the pixels are shared.
   PilotStep step(const Frame& frame, const TetheredReadings& readings);

@@ -345,8 +345,10 @@ void KeyframeNavigator::take_keyframe() {
 }
 
 NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict) const {
-  PoseEstimate camera = track_.camera();
   const Twist twist_in_camera = track_.filter().mean_twist_in_camera();
+  PoseEstimate camera = track_.camera();
+  const Matrix6d twist_covariance =
+      track_.filter().mean_twist_covariance() + scale_error_covariance(camera, twist_in_camera);
   camera.covariance += stamp_error_covariance(camera, twist_in_camera, frame.stamp_sigma_s);
   return make_estimate(
       frame, body_from_camera_,
@@ -354,8 +356,7 @@ NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict
        .camera = {.pose = camera, .scale = track_.scale(), .scale_stamp = track_.scale_stamp()},
        .world_from_initial_camera = track_.world_from_initial(),
        .twist_in_camera = twist_in_camera,
-       .twist_covariance = track_.filter().mean_twist_covariance() +
-                           scale_error_covariance(camera, twist_in_camera),
+       .twist_covariance = twist_covariance,
        .velocity_in_world_m_s = camera.world_from_camera.rotation * twist_in_camera.velocity_m_s});
 }
 

@@ -101,7 +101,7 @@ void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& re
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
   const Vector6d by_stamp = stamp_sigma_s * measured_rate(chained);
   const Matrix6d covariance = chained.relative_covariance + by_stamp * by_stamp.transpose();
-  const double jump_m = position_jump_m(chained, covariance);
+  const double jump_m = position_jump_m(chained, stamp_sigma_s);
   has_jumped_ = jump_m > 0;
   if (has_jumped_) {  // the images measure the position, not the velocity
     filter_.inflate_position_covariance(jump_m);
@@ -114,14 +114,20 @@ void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& re
   unmeasured_s_ = 0;
 }
 
-// Position innovation if it exceeds the maximum acceleration and five sigma, else 0.
-double PoseTrack::position_jump_m(const ChainedPose& chained, const Matrix6d& covariance) const {
+// Position innovation if it exceeds the maximum acceleration and five sigma, else 0. The error by
+// the stamp is that of the predicted velocity: the measured one would contain the jump.
+double PoseTrack::position_jump_m(const ChainedPose& chained, double stamp_sigma_s) const {
   constexpr double kMaxAcceleration_m_s2 = 50;
   constexpr double kSigmas = 5;
   if (keyframe_.scale == ScaleSource::none) return 0;
   const RigidTransform measured = keyframe_.pose.world_from_camera * chained.keyframe_from_camera;
   const double innovation_m = (measured.translation - filter_.pose().translation).norm();
-  const double variance_m2 = (filter_.pose_covariance() + covariance).topLeftCorner<3, 3>().trace();
+  const double max_speed_m_s =
+      filter_.twist_in_camera().velocity_m_s.norm() + kMaxAcceleration_m_s2 * unmeasured_s_;
+  const double by_stamp_m = stamp_sigma_s * max_speed_m_s;
+  const double variance_m2 =
+      (filter_.pose_covariance() + chained.relative_covariance).topLeftCorner<3, 3>().trace() +
+      by_stamp_m * by_stamp_m;
   const double max_innovation_m = std::max(kMaxAcceleration_m_s2 * unmeasured_s_ * unmeasured_s_,
                                            kSigmas * std::sqrt(variance_m2));
   return innovation_m > max_innovation_m ? innovation_m : 0;

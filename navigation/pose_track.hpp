@@ -23,7 +23,8 @@ class PoseTrack {
   /// its covariance grows with the former velocity.
   void predict(double dt_s, const SensorReadings& readings);
 
-  /// Updates the camera by this frame's alignment to the keyframe. `stamp_sigma_s`: of `now`.
+  /// Updates the camera by this frame's alignment to the keyframe. `stamp_sigma_s`: standard
+  /// deviation of `now`.
   void update(const PlaneAlignment& alignment, const SensorReadings& readings, Timestamp now,
               double stamp_sigma_s);
 
@@ -55,8 +56,7 @@ class PoseTrack {
   void correct_keyframe(const PlaneAlignment& alignment, const SensorReadings& readings,
                         Timestamp now);
   [[nodiscard]] Vector6d measured_rate(const ChainedPose& chained) const;
-  [[nodiscard]] double position_jump_m(const ChainedPose& chained,
-                                       const Matrix6d& covariance) const;
+  [[nodiscard]] double position_jump_m(const ChainedPose& chained, double stamp_sigma_s) const;
   void reset_twist();
   void update_filter(MotionFilter& filter, const ChainedPose& chained, const Matrix6d& covariance,
                      const PlaneAlignment& alignment) const;

@@ -205,17 +205,16 @@ ClockOffset clock_offset(const GyroIntegral& gyro, std::span<const ObservedRotat
   // parabola through three steps; sigma by the residual of 3 components per interval
   const std::vector<ObservedRotation> same = covered(
       gyro, observed, std::array{kStep_s * (best - 1), kStep_s * best, kStep_s * (best + 1)});
+  if (same.empty()) return {};
   const auto fraction = [&](int step) {
     return rotation_sums(gyro, same, kStep_s * step).explained_fraction(Matrix3d::Identity());
   };
-  if (!same.empty()) {
-    before = fraction(best - 1);
-    explained = fraction(best);
-    after = fraction(best + 1);
-  }
+  before = fraction(best - 1);
+  explained = fraction(best);
+  after = fraction(best + 1);
   const double curvature = std::max(2 * explained - before - after, 1e-12);
   const double shift = 0.5 * (after - before) / curvature;
-  const double count = std::max(1.0, static_cast<double>(same.size()));
+  const auto count = static_cast<double>(same.size());
   return {
       .offset_s = kStep_s * (best + shift),
       .sigma_s = kStep_s * std::sqrt(2 * std::max(0.0, 1 - explained) / (3 * count * curvature)),

@@ -94,14 +94,14 @@ StampFilter stamp_filter_for(const Reader& reader) {
   return filter;
 }
 
-// Not below one percent of the interval, and not on what the container rounds.
+// Message if the jitter exceeds one percent of the interval and the container's rounding.
 std::optional<std::string> jitter_note(const StampFilter& stamps) {
   constexpr double kMinRatio = 0.01;
   const double ratio = std::sqrt(2.0) * stamps.jitter_s() / stamps.period_s();
   if (!(ratio > kMinRatio) || stamps.jitter_s() < stamps.resolution_s()) return std::nullopt;
   return fmt::format(
       ": the time stamps jitter by {:.2g} ms, which changes frame intervals by {:.2g} %; they are "
-      "smoothed, and the remaining error enters the covariances",
+      "smoothed",
       1e3 * stamps.jitter_s(), 100 * ratio);
 }
 
@@ -180,6 +180,7 @@ std::optional<Frame> FrameSource::State::take() {
     interlaced = interlaced || result->interlaced;
     last_stamp = result->frame.stamp;
     const FilteredStamp filtered = stamps.next(result->frame.stamp);
+    result->frame.recorded_stamp = result->frame.stamp;
     result->frame.stamp = filtered.stamp;
     result->frame.stamp_sigma_s = filtered.sigma_s;
     result->frame.index = index;

@@ -136,6 +136,7 @@ double VideoReader::stamp_resolution_s() const {
   const std::optional<double> rate_hz = frames_per_s();
   if (!rate_hz) return step_s;
   const double steps = 1 / (*rate_hz * step_s);
+  if (steps < 2) return 0;  // counts frames; the mean rate is lower if some are missing
   return std::abs(steps - std::round(steps)) < kRounding * steps ? 0 : step_s;
 }
 

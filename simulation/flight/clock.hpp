@@ -24,7 +24,8 @@ struct ClockConfig {
     field("rounding_s", self.rounding_s, Range{0, 1},
           "resolution of the stamps of images and IMU; 0: 1 ns");
     field("imu_offset_s", self.imu_offset_s, Range{-10, 10},
-          "offset of the IMU's stamps; run compensates it with imu.time_offset_s of opposite sign");
+          "offset of the IMU's stamps; imu.time_offset_s = image_delay_s + jitter_s - imu_offset_s "
+          "compensates it in a run");
     field("imu_skew_ppm", self.imu_skew_ppm, Range{-1e5, 1e5},
           "relative rate error of the IMU's clock");
   }

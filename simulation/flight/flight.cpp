@@ -65,6 +65,11 @@ void check_shape(const FlightConfig& config) {
   const bool is_hand = config.shape == FlightShape::hand;
   const double climb_m = is_turn || is_hand ? 0.0 : config.climb_m;
   const double random_m = config.sway_m + (is_hand ? config.hand_m : 0.0);
+  if ((is_turn || is_hand) && !(config.height_m - 3 * random_m > 0)) {
+    throw InputError("flight.height_m: " + std::to_string(config.height_m) +
+                     " is below three times the random translation; increase it, or reduce sway_m" +
+                     (is_hand ? " or hand_m" : ""));
+  }
   if (!(config.height_m + climb_m - 3 * random_m > 0)) {
     throw InputError("flight.climb_m: " + std::to_string(config.climb_m) + " from height_m " +
                      std::to_string(config.height_m) +

@@ -69,9 +69,9 @@ struct FlightConfig {
 };
 
 /// Analytic trajectory from x = y = 0 plus a random part: sines with periods of 4 to 40 s from the
-/// seed. The random translation is zero at both ends, so that the displacement is exact.
-/// Throws InputError if the path reaches the ground, a turn has yaw rate 0 or the rest lasts for
-/// the whole flight.
+/// seed, by hand also of 0.3 to 3 Hz. The random translation is zero at both ends, so that the
+/// displacement is exact. Throws InputError if the path reaches the ground, a turn has yaw rate 0
+/// or the rest lasts for the whole flight.
 [[nodiscard]] Trajectory make_trajectory(const FlightConfig& config, std::uint64_t seed);
 
 }  // namespace stillkite

@@ -1,5 +1,8 @@
 #include "simulation/flight/flight_camera.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <memory>
 #include <opencv2/core.hpp>
 
@@ -29,6 +32,15 @@ std::shared_ptr<const GroundTexture> make_ground(const SimulationConfig& config,
     return std::make_shared<GroundTexture>(image_of(ground.side_texels), texel_m);
   }
   const int period = ground.period_texels(texel_m);
+  const int side =
+      photograph.empty() ? ground.side_texels : std::min(photograph.cols, photograph.rows);
+  if (period / 2 >= side) {
+    throw InputError(fmt::format(
+        "ground.period_m: half of {} m exceeds the {} texels of {:.3g} m of the texture; reduce "
+        "it, "
+        "or increase ground.metres_per_texel{}",
+        *ground.period_m, side, texel_m, photograph.empty() ? " or ground.side_texels" : ""));
+  }
   return std::make_shared<GroundTexture>(
       repetitive_ground(image_of(period / 2 + 1), period, ground.side_texels),
       *ground.period_m / period);

@@ -17,7 +17,8 @@ void check_times(const SimulationConfig& config) {
                     "camera.frames_per_s",
                     config.camera.readout_s));
   }
-  const double shortest_s = std::min(frame_interval_s, 1 / config.imu.rate_hz);
+  const double imu_interval_s = (1 + 1e-6 * config.clock.imu_skew_ppm) / config.imu.rate_hz;
+  const double shortest_s = std::min(frame_interval_s, imu_interval_s);
   if (config.clock.rounding_s > shortest_s) {
     throw InputError(
         fmt::format("clock.rounding_s: {} s gives equal stamps; use at most {} s, the interval of "

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kPeriod_s = 1.0 / 30;
 constexpr int kFrames = 400;
-constexpr int kConverged = 128;  // length of the window
+constexpr double kRounding_s = 2e-9;  // of an interval between two stamps
+constexpr int kConverged = 128;       // length of the window
 
 struct Stream {
   std::vector<double> true_s;
@@ -67,8 +68,8 @@ IntervalErrors interval_errors(const Stream& stream, const std::vector<FilteredS
 double share_beyond_3_sigma(const Stream& stream, const std::vector<FilteredStamp>& filtered) {
   int beyond = 0;
   for (std::size_t k = 1; k < filtered.size(); ++k) {
-    beyond +=
-        std::abs(interval_error_s(stream, filtered, k)) > 3 * std::sqrt(2.0) * filtered[k].sigma_s;
+    beyond += std::abs(interval_error_s(stream, filtered, k)) >
+              3 * std::sqrt(2.0) * filtered[k].sigma_s + kRounding_s;
   }
   return static_cast<double>(beyond) / static_cast<double>(filtered.size());
 }
@@ -160,6 +161,64 @@ TEST(StampFilter, LateFramesAreNoMissedFrames) {
   const std::vector<FilteredStamp> filtered = filter_all(stream);
   EXPECT_LT(interval_errors(stream, filtered, kConverged).rms_s, 2e-3);  // raw: 6 ms
   EXPECT_LT(share_beyond_3_sigma(stream, filtered), 0.05);
+}
+
+TEST(StampFilter, FollowsTheOnsetOfJitter) {
+  std::function<double()> error_s = uniform(5e-3);
+  int frame = 0;
+  const Stream stream = regular_stream([&] { return ++frame > 150 ? error_s() : 0.0; });
+  const std::vector<FilteredStamp> filtered = filter_all(stream);
+  const IntervalErrors errors = interval_errors(stream, filtered, 150 + kConverged);
+  EXPECT_LT(errors.rms_s, 0.5e-3);  // raw: 4.1 ms
+  EXPECT_LT(share_beyond_3_sigma(stream, filtered), 0.02);
+}
+
+// Automatic exposure: 30 frames/s, then another rate, +-2 ms.
+TEST(StampFilter, StartsAnewAtAnotherFrameRate) {
+  for (const double rate_hz : {20.0, 25.0, 60.0}) {
+    std::function<double()> error_s = uniform(2e-3);
+    Stream stream;
+    double t_s = 0;
+    for (int k = 0; k < kFrames; ++k) {
+      stream.true_s.push_back(t_s);
+      stream.stamps.push_back(from_seconds(t_s + error_s()));
+      t_s += k < 200 ? kPeriod_s : 1 / rate_hz;
+    }
+    const std::vector<FilteredStamp> filtered = filter_all(stream);
+    EXPECT_LT(share_beyond_3_sigma(stream, filtered), 0.02) << rate_hz;
+    EXPECT_LT(interval_errors(stream, filtered, 200 + kConverged).rms_s, 0.1e-3) << rate_hz;
+  }
+}
+
+// After one late frame a pause of the camera is still a pause.
+TEST(StampFilter, PauseIsNoLateFrame) {
+  std::function<double()> error_s = uniform(1e-3);
+  Stream stream;
+  for (int k = 0; k < 300; ++k) {
+    stream.true_s.push_back(k * kPeriod_s + (k < 220 ? 0 : 1));
+    stream.stamps.push_back(
+        from_seconds(stream.true_s.back() + error_s() + (k == 180 ? 0.022 : 0)));
+  }
+  EXPECT_NEAR(interval_error_s(stream, filter_all(stream), 220), 0, 2e-3);
+}
+
+TEST(StampFilter, StepBackStartsAnew) {
+  Stream stream = regular_stream(uniform(2e-3));
+  for (std::size_t k = 200; k < stream.stamps.size(); ++k) stream.stamps[k].ns -= 1'000'000'000;
+  const std::vector<FilteredStamp> filtered = filter_all(stream);
+  EXPECT_EQ(filtered[200].stamp, stream.stamps[200]);
+  EXPECT_LT(filtered[200].stamp, filtered[199].stamp);
+  EXPECT_GT(filtered[201].stamp, filtered[200].stamp);
+  EXPECT_LT(interval_errors(stream, filtered, 200 + kConverged).rms_s, 0.1e-3);
+}
+
+TEST(StampFilter, RemovesExponentialDelays) {
+  std::mt19937 random(13);
+  std::exponential_distribution<> delay_s(1 / 4e-3);
+  const Stream stream = regular_stream([&] { return delay_s(random); });
+  const std::vector<FilteredStamp> filtered = filter_all(stream);
+  EXPECT_LT(interval_errors(stream, filtered, kConverged).rms_s, 4e-3);  // raw: 5.7 ms
+  EXPECT_LT(share_beyond_3_sigma(stream, filtered), 0.03);
 }
 
 TEST(StampFilter, FirstStampsOfAnUnknownStreamAreNotChanged) {
