@@ -57,8 +57,8 @@ inline constexpr double kMaxReadingAge_s = 0.05;
 [[nodiscard]] SensorReadings readings_between(const SensorLog& log, Timestamp before,
                                               Timestamp now);
 
-// CSV files, time stamp in the first column; format and errors as in TableReader. The stamps of gyro
-// and IMU are without their jitter (StampFilter).
+// CSV files, time stamp in the first column; format and errors as in TableReader. The stamps of
+// gyro and IMU are without their jitter (StampFilter).
 [[nodiscard]] TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file);
 [[nodiscard]] TimeSeries<double> read_heights(const std::filesystem::path& file);
 [[nodiscard]] TimeSeries<Eigen::Quaterniond> read_attitudes(const std::filesystem::path& file);
