@@ -211,7 +211,7 @@ bool StampFilter::is_rate_change(Timestamp stamp) {
   const double interval_s = seconds_between(window_.back(), stamp);
   const double periods = std::max(1.0, std::round(interval_s / period_s_));
   residual_limit_s_ = std::max(kSigmas * interval_sigma_s_, kMinRatio * period_s_);
-  std::ranges::rotate(residuals_s_, residuals_s_.end() - 1);
+  std::rotate(residuals_s_.begin(), residuals_s_.end() - 1, residuals_s_.end());
   residuals_s_[0] = interval_s - periods * period_s_;
   // the stamp before was late alone
   const double two_s = seconds_between(window_[window_.size() - 2], stamp);

@@ -81,7 +81,7 @@ cv::Size VideoReader::State::size_of_image() {
 }
 
 cv::Mat VideoReader::State::grey_of_image(std::optional<Field> field, cv::Mat recycled) {
-  cv::Mat grey = luma.extract(decoder.image(), rotation ? coded_grey : std::move(recycled));
+  cv::Mat grey = luma.extract(decoder.image(), rotation ? coded_grey : recycled);
   if (grey.empty()) return {};
   if (field) interpolate_other_field(grey, *field);
   if (!rotation) return grey;
