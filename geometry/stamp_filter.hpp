@@ -29,22 +29,22 @@ struct FilteredStamp {
 /// multiple-model estimator, Bar-Shalom et al. 2001, section 11.6.2; the scale of the variances is
 /// integrated out).
 ///
-/// Stamps whose error changes an interval by less than 0.1 % are returned as they are, with sigma
-/// 0: focal lengths, to which velocities are proportional as well, are known no better.
+/// Stamps whose jitter changes an interval by less than 0.1 % are returned unchanged, with sigma 0:
+/// the calibrated focal length, to which velocities are proportional too, has such an error.
 class StampFilter {
  public:
   /// `resolution_s`: step to which the stamps are rounded; 0: unknown.
   explicit StampFilter(double resolution_s = 0);
 
   /// Estimates the variances from the first stamps of a stream that is known in advance.
-  void learn(std::span<const Timestamp> stamps);
+  void initialize(std::span<const Timestamp> stamps);
 
-  /// The returned stamps ascend while the given ones do; a step back, a gap of more than eight
-  /// intervals or another frame rate starts anew. The first 16 of a stream that
-  /// is not known in advance are returned as they are, with the sigma of their jitter so far.
+  /// Returned stamps ascend while the given ones do. Restarts after a step back, a gap of more than
+  /// eight intervals or a change of the frame rate. The first 16 stamps without `initialize` are
+  /// returned unchanged, with the sigma of their jitter so far.
   FilteredStamp next(Timestamp stamp);
 
-  /// Standard deviation of the jitter of the given stamps; 0 if they are returned as they are.
+  /// Standard deviation of the jitter of the given stamps; 0 if they are returned unchanged.
   [[nodiscard]] double jitter_s() const { return jitter_s_; }
   [[nodiscard]] double resolution_s() const { return resolution_s_; }
   /// Mean interval of the last stamps without missed ones; 0 below two stamps.
@@ -56,8 +56,8 @@ class StampFilter {
     double scale_s2 = 0;  // of the filter's variances
   };
 
-  void learn(const std::vector<TimeFilter>& filters, std::size_t stamps);
-  void forget_variances();
+  void estimate_variances(const std::vector<TimeFilter>& filters, std::size_t stamps);
+  void reset_variances();
   FilteredStamp restart(Timestamp stamp);
   [[nodiscard]] bool is_rate_change(Timestamp stamp);
   [[nodiscard]] bool is_interrupted_by(Timestamp stamp) const;
@@ -69,7 +69,7 @@ class StampFilter {
   std::array<double, 6> residuals_s_{};  // of the last intervals to whole periods, latest first
   double residual_limit_s_ = 0;
   std::vector<Hypothesis> hypotheses_;  // of each ratio
-  std::size_t learned_from_ = 0;        // stamps
+  std::size_t variance_stamps_ = 0;     // number of stamps that the variances are from
   std::vector<Timestamp> window_;       // last stamps, as given
   std::optional<Timestamp> last_;       // as returned
 };

@@ -132,7 +132,7 @@ Eigen::Vector3d rates_at(const TableReader& row) {
 
 std::vector<Timestamp> without_jitter(std::vector<Timestamp> stamps) {
   StampFilter filter;
-  filter.learn(stamps);
+  filter.initialize(stamps);
   for (Timestamp& stamp : stamps) stamp = filter.next(stamp).stamp;
   return stamps;
 }

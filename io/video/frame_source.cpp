@@ -90,7 +90,7 @@ StampFilter stamp_filter_for(const Reader& reader) {
     return StampFilter(video->stamp_resolution_s());
   }
   StampFilter filter;
-  filter.learn(std::get<ImageSequence>(reader).stamps());
+  filter.initialize(std::get<ImageSequence>(reader).stamps());
   return filter;
 }
 

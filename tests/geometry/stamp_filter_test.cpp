@@ -111,7 +111,7 @@ TEST(StampFilter, KnownStreamHasASigmaFromTheFirstInterval) {
   const double bound_s = 2e-3;
   const Stream stream = regular_stream(uniform(bound_s));
   StampFilter filter;
-  filter.learn(stream.stamps);
+  filter.initialize(stream.stamps);
   (void)filter.next(stream.stamps[0]);
   EXPECT_NEAR(filter.next(stream.stamps[1]).sigma_s, bound_s / std::sqrt(3.0), 0.1 * bound_s);
 }
