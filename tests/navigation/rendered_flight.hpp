@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "flow/frame.hpp"
@@ -65,6 +66,15 @@ inline std::vector<NavigationEstimate> fly(Navigator navigator, const std::vecto
   estimates.reserve(frames.size());
   for (const Frame& frame : frames) estimates.push_back(navigator.step(frame));
   return estimates;
+}
+
+[[nodiscard]] inline bool is_finite(const NavigationEstimate& e) {
+  return e.world_from_body.translation.allFinite() &&
+         e.world_from_body.rotation.coeffs().allFinite() && e.pose_covariance.allFinite() &&
+         e.twist_in_camera.vector().allFinite() && e.twist_covariance.allFinite() &&
+         e.velocity_in_world_m_s.allFinite() && std::isfinite(e.quality.mean_flow_px) &&
+         std::isfinite(e.quality.residual_px) && std::isfinite(e.quality.condition) &&
+         std::isfinite(e.quality.inlier_ratio) && std::isfinite(e.scale_age_s);
 }
 
 }  // namespace stillkite::test
