@@ -10,29 +10,37 @@
 namespace stillkite {
 namespace {
 
-class Derivatives : public testing::TestWithParam<FlightShape> {};
+struct DerivativeTolerances {
+  double velocity_m_s, acceleration_m_s2, rate_rad_s;
+};
 
 // Reference: central differences of pose and velocity.
+void expect_derivatives(const Trajectory& trajectory, double t_s, double step_s,
+                        const DerivativeTolerances& max) {
+  const MotionState before = trajectory.at(t_s - step_s);
+  const MotionState here = trajectory.at(t_s);
+  const MotionState after = trajectory.at(t_s + step_s);
+  const Eigen::Vector3d velocity =
+      (after.world_from_body.translation - before.world_from_body.translation) / (2 * step_s);
+  const Eigen::Vector3d acceleration =
+      (after.velocity_in_world_m_s - before.velocity_in_world_m_s) / (2 * step_s);
+  const Eigen::Vector3d rate =
+      so3_log(before.world_from_body.rotation.conjugate() * after.world_from_body.rotation) /
+      (2 * step_s);
+  EXPECT_LT((velocity - here.velocity_in_world_m_s).norm(), max.velocity_m_s) << t_s;
+  EXPECT_LT((acceleration - here.acceleration_in_world_m_s2).norm(), max.acceleration_m_s2) << t_s;
+  EXPECT_LT((rate - here.angular_rate_in_body_rad_s).norm(), max.rate_rad_s) << t_s;
+}
+
+class Derivatives : public testing::TestWithParam<FlightShape> {};
+
 TEST_P(Derivatives, MatchFiniteDifferences) {
   FlightConfig config{.shape = GetParam(), .heading_deg = 40, .pitch_deg = 12, .roll_deg = -25};
   config.tilt_sway_deg = 8;
   config.yaw_sway_deg = 20;
   const Trajectory trajectory = make_trajectory(config, 17);
-  constexpr double kStep_s = 3e-5;
   for (double t_s = 0.5; t_s < 150; t_s += 7.3) {
-    const MotionState before = trajectory.at(t_s - kStep_s);
-    const MotionState here = trajectory.at(t_s);
-    const MotionState after = trajectory.at(t_s + kStep_s);
-    const Eigen::Vector3d velocity =
-        (after.world_from_body.translation - before.world_from_body.translation) / (2 * kStep_s);
-    const Eigen::Vector3d acceleration =
-        (after.velocity_in_world_m_s - before.velocity_in_world_m_s) / (2 * kStep_s);
-    const Eigen::Vector3d rate =
-        so3_log(before.world_from_body.rotation.conjugate() * after.world_from_body.rotation) /
-        (2 * kStep_s);
-    EXPECT_LT((velocity - here.velocity_in_world_m_s).norm(), 1e-6) << t_s;
-    EXPECT_LT((acceleration - here.acceleration_in_world_m_s2).norm(), 1e-6) << t_s;
-    EXPECT_LT((rate - here.angular_rate_in_body_rad_s).norm(), 1e-7) << t_s;
+    expect_derivatives(trajectory, t_s, 3e-5, {1e-6, 1e-6, 1e-7});
   }
 }
 
@@ -41,7 +49,6 @@ INSTANTIATE_TEST_SUITE_P(Trajectory, Derivatives,
                                          FlightShape::out_and_back, FlightShape::hand),
                          [](const auto& shape) { return std::string(name_of(shape.param)); });
 
-// Reference: central differences of pose and velocity, through the start.
 TEST(Trajectory, RestsAndThenStartsSmoothly) {
   FlightConfig config{.duration_s = 20, .height_m = 100, .rest_s = 3};
   config.tilt_sway_deg = 8;
@@ -55,21 +62,8 @@ TEST(Trajectory, RestsAndThenStartsSmoothly) {
   EXPECT_EQ(last.angular_rate_in_body_rad_s.norm(), 0);
   EXPECT_LT((trajectory.at(20).world_from_body.translation - Eigen::Vector3d(1000, 100, 50)).norm(),
             1e-9);
-  constexpr double kStep_s = 1e-5;
   for (double t_s = 2.95; t_s < 4.3; t_s += 0.0917) {
-    const MotionState before = trajectory.at(t_s - kStep_s);
-    const MotionState here = trajectory.at(t_s);
-    const MotionState after = trajectory.at(t_s + kStep_s);
-    const Eigen::Vector3d velocity =
-        (after.world_from_body.translation - before.world_from_body.translation) / (2 * kStep_s);
-    const Eigen::Vector3d acceleration =
-        (after.velocity_in_world_m_s - before.velocity_in_world_m_s) / (2 * kStep_s);
-    const Eigen::Vector3d rate =
-        so3_log(before.world_from_body.rotation.conjugate() * after.world_from_body.rotation) /
-        (2 * kStep_s);
-    EXPECT_LT((velocity - here.velocity_in_world_m_s).norm(), 1e-5) << t_s;
-    EXPECT_LT((acceleration - here.acceleration_in_world_m_s2).norm(), 1e-4) << t_s;
-    EXPECT_LT((rate - here.angular_rate_in_body_rad_s).norm(), 1e-6) << t_s;
+    expect_derivatives(trajectory, t_s, 1e-5, {1e-5, 1e-4, 1e-6});
   }
 }
 
