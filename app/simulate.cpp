@@ -103,7 +103,7 @@ std::string sensors_comment(const SimulateConfig& config) {
 
 std::string run_yaml(const SimulateConfig& config) {
   const bool video = config.output.format == ImageFormat::video;
-  const double readout_s = config.simulation.camera.readout_s;
+  const FlightCameraConfig& camera = config.simulation.camera;
   return fmt::format(
       "# Simulated flight in this folder: stillkite run run.yaml\n"
       "source:\n  path: {}\n{}"
@@ -112,7 +112,8 @@ std::string run_yaml(const SimulateConfig& config) {
       video ? kVideoName : ".", video ? "calibration:\n  path: sensor.yaml\n" : "",
       video ? "truth.tum" : "mav0/state_groundtruth_estimate0",
       truth_clock_yaml(config.simulation.clock),
-      readout_s > 0 ? fmt::format("navigator:\n  readout_s: {}\n", readout_s) : "",
+      fmt::format("navigator:\n  readout_s: {}\n  lens_sigma_px: {}\n", camera.readout_s,
+                  camera.lens_error_px),
       estimator_yaml(config), sensors_comment(config));
 }
 

@@ -17,6 +17,7 @@ enum class Verdict {
   first_frame,         ///< no previous frame
   too_little_texture,  ///< too few textured tiles: dark, saturated, blurred or uniform image
   too_few_inliers,     ///< no single motion fits (moving water, traffic)
+  not_flat,            ///< one plane does not explain the images
   ill_conditioned,     ///< a direction of motion is not observable
   horizon,             ///< too little ground below the horizon
   frozen,              ///< image repeated
@@ -32,6 +33,7 @@ struct EnumNames<Verdict> {
        {Verdict::first_frame, "first_frame"},
        {Verdict::too_little_texture, "too_little_texture"},
        {Verdict::too_few_inliers, "too_few_inliers"},
+       {Verdict::not_flat, "not_flat"},
        {Verdict::ill_conditioned, "ill_conditioned"},
        {Verdict::horizon, "horizon"},
        {Verdict::frozen, "frozen"},

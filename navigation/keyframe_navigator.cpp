@@ -80,7 +80,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
                                            const SensorReadings& readings, const FlowHints& hints) {
   StopWatch watch;
   view_.reset();
-  aligner_.set_mask(frame.mask);
+  set_mask(frame.mask);
   // 1. Build the image pyramid.
   current_.build(frame.grey, config_.alignment.levels);
   if (interval.rejection == Verdict::first_frame) return initialize(frame, readings);
@@ -90,10 +90,10 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   // 3. Align the image to the keyframe, from the predicted motion.
   store_tile_positions(interval);
   const PlaneAlignment alignment =
-      interval.rejection ? PlaneAlignment{} : align(hints.allow_search);
+      interval.rejection ? PlaneAlignment{} : align(hints.allow_search && relief_.is_flat());
   const double flow_ms = watch.lap_ms();
   // 4. Validate the alignment.
-  const Verdict verdict = interval.rejection ? *interval.rejection : classify(alignment);
+  const Verdict verdict = interval.rejection ? *interval.rejection : validate(alignment);
   // 5. Chain it to the keyframe, level both by the plane's normal, and filter; or coast.
   if (verdict == Verdict::ok) {
     view_ = make_view(alignment, hints.normal);
@@ -111,7 +111,10 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   if (new_keyframe) take_keyframe();
   NavigationEstimate out = answer(frame, verdict);
   out.new_keyframe = new_keyframe;
-  if (verdict == Verdict::ok) set_image_motion(interval.dt_s, out);
+  // over ground that is not flat too: static overlays are found by it
+  if (verdict == Verdict::ok || verdict == Verdict::not_flat) {
+    set_image_motion(interval.dt_s, out);
+  }
   out.quality = quality_of(alignment);
   out.stage_ms = {pyramid_ms, flow_ms, 0, watch.lap_ms()};
   return out;
@@ -126,6 +129,13 @@ NavigationEstimate KeyframeNavigator::initialize(const Frame& frame,
   NavigationEstimate out = answer(frame, Verdict::first_frame);
   out.new_keyframe = true;
   return out;
+}
+
+// What a new mask hides is no relief.
+void KeyframeNavigator::set_mask(const std::shared_ptr<const ImageMask>& mask) {
+  if (mask != mask_) relief_ = {};
+  mask_ = mask;
+  aligner_.set_mask(mask);
 }
 
 PlaneAlignment KeyframeNavigator::align(bool allow_search) {
@@ -213,8 +223,8 @@ PlaneAlignment KeyframeNavigator::align_with_velocity(const PlaneMotion& initial
   const Twist& keyframe_twist = is_speed_initializing() ? current_twist : track_.keyframe_twist();
   const RollingShutter shutter{config_.readout_s, in_heights(keyframe_twist, height_m),
                                in_heights(current_twist, height_m)};
-  PlaneAlignment alignment =
-      aligner_.align(current_, initial, tilt_prior(keyframe, config_.levelling), shutter);
+  PlaneAlignment alignment = aligner_.align(
+      current_, initial, tilt_prior(keyframe, config_.levelling), shutter, smooth_errors());
   // a velocity common to both images hardly affects the motion
   if (is_speed_initializing()) alignment.motion_by_twist.setZero();
   return alignment;
@@ -237,9 +247,22 @@ KeyframeView KeyframeNavigator::make_view(const PlaneAlignment& alignment,
   PlaneMotion initial = apply(alignment.motion, to_normal, tilt.axes);
   initial.normal = *normal;
   tilt.covariance = 1e-12 * Eigen::Matrix2d::Identity();
-  const PlaneAlignment refined = aligner_.align(current_, initial, tilt, alignment.shutter);
+  const PlaneAlignment refined =
+      aligner_.align(current_, initial, tilt, alignment.shutter, smooth_errors());
   if (classify(refined) != Verdict::ok) return view;  // the hinted normal may be wrong
   return {refined.motion, tilt.axes, refined.plane_likelihood};
+}
+
+SmoothErrors KeyframeNavigator::smooth_errors() const {
+  return {.lens_sigma_px = config_.lens_sigma_px, .relief_ratio = relief_.ratio()};
+}
+
+// An alignment over ground that is not flat may fit a part of the image.
+Verdict KeyframeNavigator::validate(const PlaneAlignment& alignment) {
+  const Verdict verdict = classify(alignment);
+  if (verdict != Verdict::ok && verdict != Verdict::too_few_inliers) return verdict;
+  if (alignment.relief) relief_.update(*alignment.relief);
+  return relief_.is_flat() ? verdict : Verdict::not_flat;
 }
 
 Verdict KeyframeNavigator::classify(const PlaneAlignment& alignment) const {
@@ -347,8 +370,9 @@ void KeyframeNavigator::take_keyframe() {
 NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict) const {
   const Twist twist_in_camera = track_.filter().mean_twist_in_camera();
   PoseEstimate camera = track_.camera();
-  const Matrix6d twist_covariance =
-      track_.filter().mean_twist_covariance() + scale_error_covariance(camera, twist_in_camera);
+  const Matrix6d twist_covariance = track_.filter().mean_twist_covariance() +
+                                    track_.common_twist_covariance() +
+                                    scale_error_covariance(camera, twist_in_camera);
   camera.covariance += stamp_error_covariance(camera, twist_in_camera, frame.stamp_sigma_s);
   return make_estimate(
       frame, body_from_camera_,

@@ -40,6 +40,7 @@ class KeyframeNavigator {
 
  private:
   NavigationEstimate initialize(const Frame& frame, const SensorReadings& readings);
+  void set_mask(const std::shared_ptr<const ImageMask>& mask);
   [[nodiscard]] PlaneAlignment align(bool allow_search);
   [[nodiscard]] PlaneMotion predicted_motion() const;
   [[nodiscard]] bool is_prediction_uncertain() const;
@@ -55,6 +56,8 @@ class KeyframeNavigator {
   void store_tile_positions(const FrameInterval& interval);
   void for_each_tile(auto&& visit) const;
   void set_image_motion(double dt_s, NavigationEstimate& out) const;
+  [[nodiscard]] SmoothErrors smooth_errors() const;
+  [[nodiscard]] Verdict validate(const PlaneAlignment& alignment);
   [[nodiscard]] Verdict classify(const PlaneAlignment& alignment) const;
   // both return true if a new keyframe is needed
   [[nodiscard]] bool count_success(const PlaneAlignment& alignment);
@@ -67,6 +70,8 @@ class KeyframeNavigator {
   NavigatorConfig config_;
   PlaneAligner aligner_;
   PoseTrack track_;
+  ReliefFilter relief_;
+  std::shared_ptr<const ImageMask> mask_;
   Pyramid current_;  // the keyframe's pyramid is held by the aligner
   std::optional<KeyframeView> view_;
   int tiles_at_keyframe_ = 0;

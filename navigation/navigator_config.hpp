@@ -127,6 +127,7 @@ struct SensorConfig {
 /// does not list them.
 struct NavigatorConfig {
   double readout_s = 0;
+  double lens_sigma_px = 0.2;
   double initial_tilt_sigma_rad = 0.0175;
   PlaneAlignmentConfig alignment;
   KeyframeConfig keyframes;
@@ -142,6 +143,8 @@ struct NavigatorConfig {
   static void fields(auto& self, auto&& field) {
     field("readout_s", self.readout_s, Range{0, 0.1},
           "rolling-shutter readout time, first to last row; 0: global shutter");
+    field("lens_sigma_px", self.lens_sigma_px, Range{0, 100},
+          "standard deviation of the lens calibration over the image; 0: exact (simulated)");
     field("initial_tilt_sigma_rad", self.initial_tilt_sigma_rad, Range{1e-6, 1},
           "standard deviation of the initial roll and pitch");
     field("alignment", self.alignment, "direct alignment of two images of the ground");

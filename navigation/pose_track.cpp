@@ -50,6 +50,7 @@ void PoseTrack::predict(double dt_s, const SensorReadings& readings) {
     filter_.update_rate(rate, sigma * sigma * Eigen::Matrix3d::Identity());
   }
   unmeasured_s_ += dt_s;
+  since_keyframe_s_ += dt_s;
 }
 
 // Holds the position; the former velocity becomes its standard deviation.
@@ -111,7 +112,16 @@ void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& re
   camera_ = chained.camera;
   levelled_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
   covariance_offset_ = camera_.covariance - filter_.pose_covariance();
+  common_twist_covariance_ = common_twist_covariance(chained);
   unmeasured_s_ = 0;
+}
+
+// The errors are proportional to the motion since the keyframe: those of a constant twist.
+Matrix6d PoseTrack::common_twist_covariance(const ChainedPose& chained) const {
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>() = J.bottomRightCorner<3, 3>() =
+      chained.camera.world_from_camera.rotation.conjugate().toRotationMatrix() / since_keyframe_s_;
+  return J * chained.common_covariance * J.transpose();
 }
 
 // Position innovation if it exceeds the maximum acceleration and five sigma, else 0. The error by
@@ -184,6 +194,7 @@ void PoseTrack::take_keyframe() {
   keyframe_.pose = camera_;
   keyframe_twist_ = filter_.twist_in_camera();
   levelled_from_filter_ = {};
+  since_keyframe_s_ = 0;
   // alignments do not observe the position of an unmeasured keyframe
   if (unmeasured_s_ > 0) filter_.set_pose_as_origin();
   covariance_offset_ = camera_.covariance - filter_.pose_covariance();

@@ -44,6 +44,9 @@ class PoseTrack {
   /// Filter updated by this alignment, without changing the track.
   [[nodiscard]] MotionFilter filter_after(const PlaneAlignment& alignment) const;
   [[nodiscard]] const PoseEstimate& camera() const { return camera_; }
+  /// Covariance of (velocity, angular rate) in camera that the filter lacks: errors common to the
+  /// frames of a keyframe.
+  [[nodiscard]] const Matrix6d& common_twist_covariance() const { return common_twist_covariance_; }
   /// Camera pose at the first frame, rescaled with the world by the first height.
   [[nodiscard]] const RigidTransform& world_from_initial() const { return world_from_initial_; }
   /// True if the last frame's displacement exceeds any plausible acceleration: images are missing
@@ -56,6 +59,7 @@ class PoseTrack {
   void correct_keyframe(const PlaneAlignment& alignment, const SensorReadings& readings,
                         Timestamp now);
   [[nodiscard]] Vector6d measured_rate(const ChainedPose& chained) const;
+  [[nodiscard]] Matrix6d common_twist_covariance(const ChainedPose& chained) const;
   [[nodiscard]] double position_jump_m(const ChainedPose& chained, double stamp_sigma_s) const;
   void reset_twist();
   void update_filter(MotionFilter& filter, const ChainedPose& chained, const Matrix6d& covariance,
@@ -70,7 +74,9 @@ class PoseTrack {
   RigidTransform world_from_initial_;
   RigidTransform levelled_from_filter_;            // correction by the keyframe's levelling
   Matrix6d covariance_offset_ = Matrix6d::Zero();  // pose covariance that the filter lacks
-  double unmeasured_s_ = 0;                        // since the last measurement
+  Matrix6d common_twist_covariance_ = Matrix6d::Zero();
+  double since_keyframe_s_ = 0;
+  double unmeasured_s_ = 0;  // since the last measurement
   bool has_jumped_ = false;
 };
 

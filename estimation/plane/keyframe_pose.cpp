@@ -23,7 +23,6 @@ TiltPrior tilt_prior(const PoseEstimate& keyframe, const LevellingConfig& config
     const double slope = config.ground_slope_sigma_rad;
     prior.covariance = keyframe.covariance.block<2, 2>(3, 3) +
                        std::max(slope * slope, 1e-12) * Eigen::Matrix2d::Identity();
-    prior.flow_sigma_rad = config.flow_sigma_rad;
   }
   return prior;
 }
@@ -31,7 +30,8 @@ TiltPrior tilt_prior(const PoseEstimate& keyframe, const LevellingConfig& config
 ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
                   const LevellingConfig& config) {
   using Matrix62 = Eigen::Matrix<double, 6, 2>;
-  const Matrix6d relative = alignment.covariance.topLeftCorner<6, 6>();
+  const Matrix6d total = alignment.covariance.topLeftCorner<6, 6>() + alignment.smooth_covariance;
+  const Matrix6d independent = alignment.plane_likelihood.covariance - alignment.smooth_covariance;
   const Eigen::Matrix2d tilt = alignment.covariance.bottomRightCorner<2, 2>();
   const Eigen::Matrix<double, 2, 6> tilt_motion_cross =
       alignment.covariance.bottomLeftCorner<2, 6>();
@@ -71,12 +71,12 @@ ChainedPose chain(const PoseEstimate& keyframe, const PlaneAlignment& alignment,
 
   out.camera_by_twist = by_alignment * alignment.motion_by_twist;
   out.camera_by_twist.leftCols<3>() /= height_m;
-  out.relative_covariance = by_alignment * relative * by_alignment.transpose();
+  out.relative_covariance = by_alignment * independent * by_alignment.transpose();
+  out.common_covariance = by_alignment * (total - independent) * by_alignment.transpose();
   const Matrix6d cross_term = by_keyframe * (K * tilt_motion_cross) * by_alignment.transpose();
   const Matrix6d sum = by_keyframe * out.keyframe.covariance * by_keyframe.transpose() +
-                       out.relative_covariance +
-                       by_alignment * alignment.smooth_covariance * by_alignment.transpose() +
-                       cross_term + cross_term.transpose();
+                       out.relative_covariance + out.common_covariance + cross_term +
+                       cross_term.transpose();
   out.camera.covariance = 0.5 * (sum + sum.transpose());
   return out;
 }

@@ -25,7 +25,10 @@ struct ChainedPose {
   PoseEstimate keyframe;  ///< tilt corrected by the plane normal
   PoseEstimate camera;    ///< current frame, relative to the corrected keyframe
   RigidTransform keyframe_from_camera;
-  Matrix6d relative_covariance;  ///< of the motion from keyframe to `camera`, in world axes
+  Matrix6d relative_covariance;  ///< of the motion from keyframe to `camera`, in world axes: errors
+                                 ///< that are independent from frame to frame
+  Matrix6d common_covariance;    ///< the same: errors common to the frames of a keyframe (tilt,
+                                 ///< lens, relief), which grow with the motion
   Matrix6d camera_by_twist;      ///< d(camera pose error in world)/d(twist in camera)
 };
 

@@ -8,14 +8,11 @@ namespace stillkite {
 struct LevellingConfig {
   bool enabled = true;
   double ground_slope_sigma_rad = 0.0005;
-  double flow_sigma_rad = 1e-5;
 
   static void fields(auto& self, auto&& field) {
     field("enabled", self.enabled, "correct roll and pitch by the normal of the ground plane");
     field("ground_slope_sigma_rad", self.ground_slope_sigma_rad, kNonNegative,
           "standard deviation of the ground slope within one image, rad");
-    field("flow_sigma_rad", self.flow_sigma_rad, kNonNegative,
-          "standard deviation of spatially smooth flow errors (lens, rolling shutter), rad");
   }
 };
 

@@ -101,7 +101,8 @@ void PlaneAligner::reject_masked(int level) {
 }
 
 PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& initial,
-                                   const TiltPrior& tilt, const RollingShutter& shutter) {
+                                   const TiltPrior& tilt, const RollingShutter& shutter,
+                                   const SmoothErrors& smooth) {
   PlaneAlignment out{.motion = initial, .shutter = shutter};
   const bool rolling_shutter = shutter.readout_s > 0;
   const int levels =
@@ -127,10 +128,16 @@ PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& in
                                           placement_, exact ? TileWarp::affine : TileWarp::shift,
                                           static_cast<float>(out.gain), options, level.textures);
       // 3. Gauss-Newton step of the motion
-      solution = solver_.solve(observations(level), tilt, out.tilt_rad);
+      solution = solver_.solve(observations(level), tilt, out.tilt_rad,
+                               smooth_sigma_rad(level, out.motion, smooth));
       out.solvable = solution.ok;
       if (!solution.ok) break;
       if (l == 1 && s == 0) out.deviation_px = 2 * solver_.deviation_px(observations(level));
+      if (l > 0 && s == 0) {  // the finest level within the range of Lucas-Kanade, or the coarsest
+        const auto relief = measure_relief(observations(level), solution, out.motion.translation);
+        if (relief && (!out.relief || is_in_range(*relief, smooth.relief_ratio)))
+          out.relief = relief;
+      }
       out.motion = apply(out.motion, solution.step, tilt.axes);
       out.tilt_rad += solution.step.tail<2>();
       if (options.contrast || exact) match_brightness(out, l > 0);
@@ -192,6 +199,33 @@ float PlaneAligner::deformation_px(const TileGrid& grid) const {
         max_px, across * static_cast<float>(grid.columns) + down * static_cast<float>(grid.rows));
   }
   return 0.5F * max_px;
+}
+
+// Lens: the error e(x) of the calibration is a smooth field in both images, so that a displacement
+// u leaves e(x + u) - e(x), of variance 2 sigma^2 (1 - exp(-u^2 / (2 L^2))) for a Gaussian field of
+// correlation length L. Relief: kLinearRatio times the residuals' part of the translation's flow.
+double PlaneAligner::smooth_sigma_rad(const Level& level, const PlaneMotion& motion,
+                                      const SmoothErrors& smooth) const {
+  constexpr double kLensCorrelation = 0.25;  // image widths: one to two periods across the image
+  const Eigen::Vector3f t = motion.translation.cast<float>();
+  double shift2 = 0, parallax2 = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < placement_.x_px.size(); ++i) {
+    if (placement_.x_px[i] < 0) continue;
+    const float dx = placement_.x_px[i] - level.grid.centre_x_px[i];
+    const float dy = placement_.y_px[i] - level.grid.centre_y_px[i];
+    shift2 += static_cast<double>(dx * dx + dy * dy);
+    parallax2 += static_cast<double>(parallax_px(jacobian_, t, i).squaredNorm());
+    ++count;
+  }
+  if (count == 0) return 0;
+  const double width_px = level.camera.width_px;
+  const double shift = std::sqrt(shift2 / count) / (kLensCorrelation * width_px);
+  const double lens_px = smooth.lens_sigma_px * width_px / levels_.front().camera.width_px *
+                         std::sqrt(2 * (1 - std::exp(-0.5 * shift * shift)));
+  const double relief_px =
+      ReliefFilter::kLinearRatio * smooth.relief_ratio * std::sqrt(parallax2 / count);
+  return std::hypot(lens_px, relief_px) / level.camera.focal_x_px;
 }
 
 double PlaneAligner::update_px(const Level& level, const PlaneMotionStep& step) const {
@@ -259,7 +293,7 @@ void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
   out.covariance = covariance_of(solution, scatter);
   out.plane_likelihood = plane_likelihood(solution, scatter, out.tilt_rad);
   const Matrix6d A = solution.information.topLeftCorner<6, 6>();
-  out.smooth_covariance = (solution.tilt_deflation - 1) * A.ldlt().solve(Matrix6d::Identity());
+  out.smooth_covariance = (solution.smooth_factor - 1) * A.ldlt().solve(Matrix6d::Identity());
   const Vector6d scale = A.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * A * scale.asDiagonal(),
                                                       Eigen::EigenvaluesOnly);

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "estimation/ego_motion/plane_motion.hpp"
 #include "estimation/plane/plane_alignment_config.hpp"
+#include "estimation/plane/plane_relief.hpp"
 #include "estimation/plane/plane_solver.hpp"
 #include "estimation/plane/plane_tiles.hpp"
 #include "flow/image_mask.hpp"
@@ -23,6 +25,12 @@ struct RollingShutter {
   Vector6d current_twist = Vector6d::Zero();
 };
 
+/// Spatially smooth flow errors: common to many tiles, they leave no residual.
+struct SmoothErrors {
+  double lens_sigma_px = 0;  ///< standard deviation of the lens calibration over the image
+  double relief_ratio = 0;   ///< relief of the ground over height, as ReliefFilter::ratio
+};
+
 /// Result of an alignment: motion, covariance and quality figures.
 struct PlaneAlignment {
   PlaneMotion motion;                                        ///< normal corrected
@@ -32,6 +40,7 @@ struct PlaneAlignment {
   Eigen::Vector2d tilt_rad =
       Eigen::Vector2d::Zero();                  ///< rotation of the normal from its prior mean
   PlaneLikelihood plane_likelihood;             ///< without the tilt prior; dt in heights
+  std::optional<ReliefMeasurement> relief;      ///< empty without parallax
   RollingShutter shutter;                       ///< of this alignment
   Matrix6d motion_by_twist = Matrix6d::Zero();  ///< d(motion)/d(current twist), rolling shutter
 
@@ -64,7 +73,8 @@ class PlaneAligner {
 
   /// Aligns `current` to the reference from the motion `initial` with the normal prior `tilt`.
   [[nodiscard]] PlaneAlignment align(const Pyramid& current, const PlaneMotion& initial,
-                                     const TiltPrior& tilt, const RollingShutter& shutter = {});
+                                     const TiltPrior& tilt, const RollingShutter& shutter = {},
+                                     const SmoothErrors& smooth = {});
 
   /// Tiles of the finest level after the last alignment (overlay, tests).
   [[nodiscard]] const TileGrid& grid() const { return levels_.front().grid; }
@@ -88,6 +98,8 @@ class PlaneAligner {
   [[nodiscard]] bool is_masked(const TileGrid& grid, int level, float x_px, float y_px) const;
   void reject_masked(int level);
   [[nodiscard]] float deformation_px(const TileGrid& grid) const;
+  [[nodiscard]] double smooth_sigma_rad(const Level& level, const PlaneMotion& motion,
+                                        const SmoothErrors& smooth) const;
   [[nodiscard]] double update_px(const Level& level, const PlaneMotionStep& step) const;
   void match_brightness(PlaneAlignment& out, bool adapt) const;
   void assess(const PlaneSolution& solution, PlaneAlignment& out);

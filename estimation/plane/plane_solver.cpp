@@ -43,9 +43,9 @@ struct ScaledSolver {
 // k = 1 + sigma^2 A_rot. A smooth flow error acts as a rotation of all bearings by sigma and does
 // not average out over the tiles. In a climb, tilt flow resembles motion flow and absorbs the
 // error.
-double tilt_deflation(const PlaneMotionMatrix& information, double flow_sigma_rad) {
+double smooth_factor(const PlaneMotionMatrix& information, double smooth_sigma_rad) {
   const double rotation_information = 0.5 * (information(3, 3) + information(4, 4));
-  return 1 + flow_sigma_rad * flow_sigma_rad * rotation_information;
+  return 1 + smooth_sigma_rad * smooth_sigma_rad * rotation_information;
 }
 
 // Tilt information with the motion marginalized (Schur complement).
@@ -59,7 +59,7 @@ Eigen::Matrix2d marginal_tilt_information(const PlaneMotionMatrix& information) 
 }  // namespace
 
 PlaneSolution PlaneSolver::solve(const PlaneObservations& tiles, const TiltPrior& prior,
-                                 const Eigen::Vector2d& tilt_rad) {
+                                 const Eigen::Vector2d& tilt_rad, double smooth_sigma_rad) {
   PlaneSolution solution;
   Eigen::Matrix2d tilt_information = Eigen::Matrix2d::Zero();
   if (prior.covariance) {
@@ -89,11 +89,12 @@ PlaneSolution PlaneSolver::solve(const PlaneObservations& tiles, const TiltPrior
     }
     const NormalEquations sum = accumulate(tiles.jacobian, tiles.measurements, weights_);
     solution.information = sum.information / solution.noise_variance;
-    PlaneMotionStep gradient = sum.gradient / solution.noise_variance;
+    solution.gradient = sum.gradient / solution.noise_variance;
+    PlaneMotionStep gradient = solution.gradient;
+    solution.smooth_factor = smooth_factor(solution.information, smooth_sigma_rad);
     if (prior.covariance) {
       // stronger prior instead of smaller tile weights: the motion covariance is unaffected
-      solution.tilt_deflation = tilt_deflation(solution.information, prior.flow_sigma_rad);
-      solution.prior.bottomRightCorner<2, 2>() = solution.tilt_deflation * tilt_information;
+      solution.prior.bottomRightCorner<2, 2>() = solution.smooth_factor * tilt_information;
       solution.information += solution.prior;
       gradient.tail<2>() -= solution.prior.bottomRightCorner<2, 2>() * tilt_rad;
     }
@@ -167,11 +168,20 @@ double PlaneSolver::deviation_px(const PlaneObservations& tiles) {
   return residual_px(tiles) * std::sqrt(std::max(0.0, 1 - median_of(noise) / variance));
 }
 
+PlaneMotionStep step_without_prior(const PlaneSolution& solution) {
+  constexpr double kWeakPrior = 1;  // 1/rad^2, where the tilt is not observable
+  if (solution.parameters < 8) return solution.step;
+  PlaneMotionMatrix information = solution.information - solution.prior;
+  information.diagonal().tail<2>().array() += kWeakPrior;
+  const ScaledSolver A(information);
+  return A.singular() ? solution.step : PlaneMotionStep(A.solve(solution.gradient));
+}
+
 PlaneMotionMatrix covariance_of(const PlaneSolution& solution, const PlaneMotionMatrix& scatter) {
   PlaneMotionMatrix errors = scatter;
   const int n = solution.parameters;
   if (n == 8) {
-    const double k = solution.tilt_deflation;
+    const double k = solution.smooth_factor;
     errors += k * solution.prior;
     errors.bottomRightCorner<2, 2>() +=
         (k - 1) * marginal_tilt_information(solution.information - solution.prior);
@@ -198,7 +208,7 @@ PlaneLikelihood plane_likelihood(const PlaneSolution& solution, const PlaneMotio
                                  const Eigen::Vector2d& tilt_rad) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   const PlaneMotionMatrix A = solution.information - solution.prior;
-  const double k = solution.tilt_deflation;
+  const double k = solution.smooth_factor;
   const ScaledSolver A_mm(A.topLeftCorner<6, 6>());
   PlaneLikelihood out;
   const Matrix6 half = A_mm.solve(scatter.topLeftCorner<6, 6>());

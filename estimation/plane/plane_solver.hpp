@@ -14,7 +14,6 @@ namespace stillkite {
 struct TiltPrior {
   TiltAxes axes = TiltAxes::Identity();
   std::optional<Eigen::Matrix2d> covariance;  ///< rad^2; nullopt: normal fixed
-  double flow_sigma_rad = 0;  ///< spatially smooth flow error, not observable in tile residuals
 };
 
 /// Lucas-Kanade measurements of the tiles of one pyramid level.
@@ -39,7 +38,8 @@ struct PlaneSolution {
   PlaneMotionStep step = PlaneMotionStep::Zero();
   PlaneMotionMatrix information = PlaneMotionMatrix::Zero();  ///< prior included
   PlaneMotionMatrix prior = PlaneMotionMatrix::Zero();
-  double tilt_deflation = 1;  ///< variance factor of the tilt for smooth flow errors, >= 1
+  PlaneMotionStep gradient = PlaneMotionStep::Zero();  ///< without the prior
+  double smooth_factor = 1;   ///< variance factor of smooth flow errors, >= 1
   int parameters = 6;         ///< 6, or 8 with tilt
   double noise_variance = 1;  ///< of a pixel residual, grey^2; median over tiles
   bool ok = false;            ///< false: too few textured tiles or singular system
@@ -51,9 +51,10 @@ class PlaneSolver {
  public:
   explicit PlaneSolver(const PlaneSolverConfig& config) : config_(config) {}
 
-  /// `tilt_rad`: current rotation of the normal from its prior mean.
+  /// `tilt_rad`: current rotation of the normal from its prior mean. `smooth_sigma_rad`: standard
+  /// deviation of spatially smooth flow errors, which leave no residual.
   [[nodiscard]] PlaneSolution solve(const PlaneObservations& tiles, const TiltPrior& prior,
-                                    const Eigen::Vector2d& tilt_rad);
+                                    const Eigen::Vector2d& tilt_rad, double smooth_sigma_rad);
 
   /// Cluster-robust scatter sum s s^T, s the residual gradient of one cluster of tiles (Cameron and
   /// Miller 2015, "Cluster-robust inference", eq. 11). Relief, compression and moving water
@@ -75,6 +76,9 @@ class PlaneSolver {
   PlaneSolverConfig config_;
   std::vector<float> weights_, chi2_, scratch_;
 };
+
+/// Step to the plane that explains the tiles best, without the tilt prior.
+[[nodiscard]] PlaneMotionStep step_without_prior(const PlaneSolution& solution);
 
 /// Sandwich covariance A^-1 B A^-1, A the information of the solution, B its scatter.
 [[nodiscard]] PlaneMotionMatrix covariance_of(const PlaneSolution& solution,

@@ -29,17 +29,19 @@ constexpr auto kRenamedKeys = std::to_array<RenamedKey>({
 
 struct RemovedKey {
   std::string_view key;
-  std::string_view value;  ///< constant in the code
+  std::string_view value;  ///< constant in the code, or former default
+  std::string_view now;    ///< key to use instead; empty: none
 };
 
 // Accepted with this value until version 0.3: a printed configuration lists every key.
 constexpr auto kRemovedKeys = std::to_array<RemovedKey>({
-    {"navigator.paper.least_squares.max_iterations", "15"},
-    {"reference.pose.max_iterations", "2000"},
-    {"reference.pose.min_pairs", "12"},
-    {"reference.pose.refine", "true"},
-    {"reference.pose.use_prior", "true"},
-    {"reference.windows.warm_start", "true"},
+    {"navigator.levelling.flow_sigma_rad", "1e-05", "navigator.lens_sigma_px"},
+    {"navigator.paper.least_squares.max_iterations", "15", ""},
+    {"reference.pose.max_iterations", "2000", ""},
+    {"reference.pose.min_pairs", "12", ""},
+    {"reference.pose.refine", "true", ""},
+    {"reference.pose.use_prior", "true", ""},
+    {"reference.windows.warm_start", "true", ""},
 });
 
 ConfigNode* find_entry(ConfigNode& map, std::string_view key) {
@@ -100,8 +102,11 @@ std::vector<std::string> drop_removed_keys(ConfigNode& root, std::string_view pr
     if (!removed.key.starts_with(prefix)) continue;
     const std::optional<ConfigNode> value = take_value(root, removed.key.substr(prefix.size()));
     if (!value) continue;
-    notices.push_back(fmt::format("{}: key '{}' was removed; its value is always {}",
-                                  value->where(), removed.key, removed.value));
+    const std::string reason = removed.now.empty()
+                                   ? fmt::format("its value is always {}", removed.value)
+                                   : fmt::format("use {}", removed.now);
+    notices.push_back(
+        fmt::format("{}: key '{}' was removed; {}", value->where(), removed.key, reason));
     if (value->text != removed.value) throw InputError(notices.back() + "; remove the key");
   }
   return notices;

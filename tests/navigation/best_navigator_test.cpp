@@ -116,7 +116,6 @@ double attitude_error_deg(const NavigationEstimate& estimate) {
   return angle_between_rad(estimate.world_from_body.rotation, truth.rotation) / kDegree;
 }
 
-// The flow assumes flat ground: in a room its scale is wrong although its verdict is ok.
 TEST(BestNavigator, SelectsReferenceInRoom) {
   SwayInRoom flight;
   for (int i = 0; i < 60; ++i) {

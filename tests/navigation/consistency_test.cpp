@@ -23,7 +23,7 @@ double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
 
 void add_flight(int seed, Nees& sum) {
   const test::RenderedFlight flight = test::render_flight(test::small_flight(seed));
-  const auto estimates = fly(flight.navigator(), flight.frames);
+  const auto estimates = fly(flight.navigator({.lens_sigma_px = 0}), flight.frames);
   for (std::size_t i = 5; i < estimates.size(); ++i) {
     ASSERT_EQ(estimates[i].verdict, Verdict::ok);
     const Twist& truth = flight.record.twists_in_camera[i - 1].twist;
@@ -43,10 +43,11 @@ TEST(Consistency, TwistNeesMatchesCovariance) {
   const double rate = sum.rate / sum.frames;
   RecordProperty("velocity_nees", std::to_string(velocity));
   RecordProperty("rate_nees", std::to_string(rate));
-  EXPECT_GT(velocity, 3.0 / 4);
-  EXPECT_LT(velocity, 3.0 * 4);
-  EXPECT_GT(rate, 3.0 / 4);
-  EXPECT_LT(rate, 3.0 * 4);
+  // relief that the images do not exclude is allowed for: conservative over exactly flat ground
+  EXPECT_GT(velocity, 3.0 / 16);
+  EXPECT_LT(velocity, 3.0);
+  EXPECT_GT(rate, 3.0 / 16);
+  EXPECT_LT(rate, 3.0);
 }
 
 }  // namespace

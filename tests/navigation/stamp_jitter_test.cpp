@@ -27,7 +27,7 @@ std::vector<Frame> jittered(std::vector<Frame> frames, double stated_sigma_s) {
 // Share of frames whose speed differs from that of exact stamps by more than three sigma.
 double share_beyond_3_sigma(Mode mode, double stated_sigma_s) {
   const test::RenderedFlight& flight = test::rendered_flight();
-  NavigatorConfig config;
+  NavigatorConfig config{.lens_sigma_px = 0};
   config.paper.filter.variance = MeasurementVariance::measured;
   const auto exact = test::fly(flight.navigator(config, mode), flight.frames);
   const auto answers =

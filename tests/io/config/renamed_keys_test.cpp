@@ -64,6 +64,16 @@ TEST(RemovedKeys, AnotherValueIsAnErrorThatNamesTheKey) {
   }
 }
 
+TEST(RemovedKeys, SuccessorIsNamed) {
+  ConfigNode root =
+      parse_yaml("navigator: {levelling: {flow_sigma_rad: 1e-05}}\n", "old.yaml", "/");
+  const std::vector<std::string> notices = drop_removed_keys(root, "");
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(notices.front(),
+            "old.yaml:1:25: key 'navigator.levelling.flow_sigma_rad' was removed; use "
+            "navigator.lens_sigma_px");
+}
+
 TEST(RemovedKeys, ASectionFileHasNoneOfOtherSections) {
   ConfigNode plant = parse_yaml("reference: {pose: {refine: false}}\n", "plant.yaml", "/");
   EXPECT_TRUE(drop_removed_keys(plant, "plant.").empty());

@@ -47,7 +47,7 @@ TEST(HoverTrial, DroneFollowsStationWithoutStabilization) {
 // The drone follows its station as without an estimator; the displacement is estimated.
 TEST(HoverTrial, PassiveEstimatorDoesNotAffectFlight) {
   HoverConfig config = short_trials();
-  config.estimator.policy = Policy::flow;
+  config.estimator.policy = Policy::fused;
   const Trial off{.stabilized = false, .seed = 3};
   const TrialRecord alone = fly_trial(config, world(), off);
   EXPECT_TRUE(alone.estimate_errors.empty());
