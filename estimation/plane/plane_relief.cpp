@@ -15,6 +15,10 @@ constexpr double kMaxRelief = 0.03;
 
 constexpr double kSigmas = 3;
 
+// Relative variance, times the sample size, of a variance from the median absolute deviation: 2
+// over its efficiency of 37 %.
+constexpr double kMadVariance = 5.4;
+
 // Median of chi-square with one degree of freedom.
 constexpr double kMedianChi2 = 0.4549364;
 
@@ -25,6 +29,7 @@ std::optional<ReliefMeasurement> measure_relief(const PlaneObservations& tiles,
                                                 const Eigen::Vector3d& translation) {
   constexpr std::size_t kMinTiles = 20;
   constexpr float kMinParallax_px = 0.1F;
+  constexpr double kMaxNoise = 0.04;  // of a tile, 0.2 of the parallax
   const TileMeasurements& m = tiles.measurements;
   const Eigen::Vector3f t = translation.cast<float>();
   const Eigen::Matrix<float, 8, 1> step = step_without_prior(solution).cast<float>();
@@ -59,8 +64,10 @@ std::optional<ReliefMeasurement> measure_relief(const PlaneObservations& tiles,
   // pixel noise depends on the texture's direction, errors of lens and shutter do not
   const double noise = upper_median(across) / kMedianChi2 *
                        std::max(1.0, static_cast<double>(upper_median(noise_ratios)));
+  // the estimated translation of a rotation is noise, to which the residuals are correlated
+  if (noise > kMaxNoise) return std::nullopt;
   return ReliefMeasurement{.variance = explained - noise,
-                           .noise = noise * std::sqrt(2 * 2 / clusters),
+                           .noise = noise * std::sqrt(2 * kMadVariance / clusters),
                            .parallax_px = static_cast<double>(upper_median(parallaxes))};
 }
 
@@ -84,14 +91,12 @@ void ReliefFilter::update(const ReliefMeasurement& measurement) {
   const double gain = sigma2 / (sigma2 + noise2);
   variance_ += gain * innovation;
   sigma_ = std::sqrt((1 - gain) * sigma2);
+  const double margin = (is_flat_ ? -kSigmas : kSigmas) * sigma_;
+  is_flat_ = variance_ + margin < kMaxRelief * kMaxRelief;
 }
 
 double ReliefFilter::ratio() const {
   return std::sqrt(std::max(0.0, variance_) + sigma_);
-}
-
-bool ReliefFilter::is_flat() const {
-  return variance_ - kSigmas * sigma_ < kMaxRelief * kMaxRelief;
 }
 
 }  // namespace stillkite

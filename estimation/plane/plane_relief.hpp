@@ -49,12 +49,14 @@ class ReliefFilter {
   /// Standard deviation of the relief without the fitted plane, over height: one sigma above its
   /// estimate.
   [[nodiscard]] double ratio() const;
-  /// False if one plane does not explain the images.
-  [[nodiscard]] bool is_flat() const;
+  /// False once one plane does not explain the images, until one does: by three standard deviations
+  /// each.
+  [[nodiscard]] bool is_flat() const { return is_flat_; }
 
  private:
   double variance_ = 0;  // ratio^2
   double sigma_;         // of `variance_`
+  bool is_flat_ = true;
 };
 
 }  // namespace stillkite
