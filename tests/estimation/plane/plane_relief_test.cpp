@@ -81,6 +81,13 @@ TEST(ReliefFilter, UncertaintyIsIncludedAndFalls) {
   EXPECT_LT(filter.ratio(), 0.3 * at_start);
 }
 
+TEST(ReliefFilter, IsFiniteWithoutNoise) {
+  ReliefFilter filter;
+  for (int frame = 0; frame < 3; ++frame) filter.update(Tiles(0, 0, 1).measure());
+  EXPECT_TRUE(filter.is_flat());
+  EXPECT_LT(filter.ratio(), 0.001);
+}
+
 TEST(ReliefFilter, GroundAfterARoomIsFlatAgain) {
   ReliefFilter filter;
   for (int frame = 1; frame <= 30; ++frame) filter.update(Tiles(0.2, 0.1, frame).measure());
