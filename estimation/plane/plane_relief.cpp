@@ -81,9 +81,9 @@ ReliefFilter::ReliefFilter() : sigma_(kMaxRelief * kMaxRelief) {}
 // Relief beyond the range of Lucas-Kanade is underestimated: evidence for relief, not against it.
 void ReliefFilter::update(const ReliefMeasurement& measurement) {
   constexpr double kChange = 1.0 / 30;  // of the relief, per frame
+  constexpr double kMinNoise2 = 1e-18;  // images without noise
   const double innovation = measurement.variance - variance_;
   if (innovation < 0 && !is_in_range(measurement, ratio())) return;
-  constexpr double kMinNoise2 = 1e-18;  // images without noise
   const double noise2 = std::max(kMinNoise2, measurement.noise * measurement.noise);
   double sigma2 = sigma_ * sigma_ + kChange * kChange * variance_ * variance_;
   if (innovation * innovation > kSigmas * kSigmas * (sigma2 + noise2)) {  // other ground

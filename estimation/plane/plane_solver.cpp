@@ -214,8 +214,8 @@ PlaneLikelihood plane_likelihood(const PlaneSolution& solution, const PlaneMotio
   const Matrix6 half = A_mm.solve(scatter.topLeftCorner<6, 6>());
   const Matrix6 sandwich = A_mm.solve(half.transpose());
   out.covariance = 0.5 * (sandwich + sandwich.transpose());
-  if (solution.parameters < 8) return out;
   out.covariance += (k - 1) * Matrix6(A_mm.solve(Matrix6::Identity()));
+  if (solution.parameters < 8) return out;
   out.motion_by_tilt = -A_mm.solve(A.topRightCorner<6, 2>());
   Eigen::Matrix<double, 8, 2> motion_and_tilt_by_tilt;
   motion_and_tilt_by_tilt << out.motion_by_tilt, Eigen::Matrix2d::Identity();

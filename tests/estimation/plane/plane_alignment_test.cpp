@@ -209,6 +209,23 @@ TEST(PlaneAlignment, LensErrorRemovesTiltInformationInClimb) {
   EXPECT_LT(tilt_sigma_after(moved_sideways, 0.3), 0.9 * tilt_sigma);
 }
 
+TEST(PlaneAlignment, IndependentErrorsExcludeTheLensWithoutLevelling) {
+  const Camera camera = lens(DistortionModel::none);
+  RigidTransform moved = kFirst;
+  moved.translation.y() += 0.1 * kFirst.translation.z();
+  const PoseEstimate keyframe{kFirst, 1e-6 * Matrix6d::Identity()};
+  const LevellingConfig levelling{.enabled = false};
+  const auto independent = [&](double lens_sigma_px) {
+    const PlaneAlignment alignment =
+        align(camera, render(camera, kFirst), render(camera, moved), motion_between(kFirst, moved),
+              tilt_prior(keyframe, levelling), {}, {.lens_sigma_px = lens_sigma_px});
+    return chain(keyframe, alignment, levelling).relative_covariance;
+  };
+  const Matrix6d exact = independent(0);
+  EXPECT_GT(exact.diagonal().minCoeff(), 0);
+  EXPECT_TRUE(independent(1).isApprox(exact, 1e-6));
+}
+
 // The lens error is the same in both images: only its change over the displacement counts.
 TEST(PlaneAlignment, LensErrorGrowsWithDisplacement) {
   const Camera camera = lens(DistortionModel::none);
