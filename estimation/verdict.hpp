@@ -10,8 +10,8 @@ namespace stillkite {
 
 /// Status of one frame.
 ///
-/// `ok`: the frame was measured. `first_frame`: initial pose. Every other verdict: the pose is
-/// predicted and its covariance grows.
+/// `ok`: the frame was measured. `first_frame`: initial pose. `still`: zero velocity was measured,
+/// the pose is held. Every other verdict: the pose is predicted and its covariance grows.
 enum class Verdict {
   ok,
   first_frame,         ///< no previous frame
@@ -24,6 +24,7 @@ enum class Verdict {
   lost,                ///< the alignment did not converge
   time_gap,            ///< stamps not ascending, or gap too long to predict across
   gated,               ///< rotation to the reference rejected by the rate gate
+  still,               ///< camera at rest: no image displacement for half a second
 };
 
 template <>
@@ -39,12 +40,13 @@ struct EnumNames<Verdict> {
        {Verdict::frozen, "frozen"},
        {Verdict::lost, "lost"},
        {Verdict::time_gap, "time_gap"},
-       {Verdict::gated, "gated"}});
+       {Verdict::gated, "gated"},
+       {Verdict::still, "still"}});
 };
 
-/// True if the frame's pose is measured or given, not predicted.
+/// True if the frame's motion is measured or its pose given, not predicted.
 [[nodiscard]] constexpr bool is_measured(Verdict verdict) {
-  return verdict == Verdict::ok || verdict == Verdict::first_frame;
+  return verdict == Verdict::ok || verdict == Verdict::first_frame || verdict == Verdict::still;
 }
 
 /// Source of the metric scale.

@@ -63,7 +63,6 @@ NavigationEstimate make_estimate(const Frame& frame, const RigidTransform& body_
 
 NavigationEstimate with_both_reports(NavigationEstimate estimate, const NavigationEstimate& flow,
                                      const NavigationEstimate& reference) {
-  estimate.image_speed_px_s = flow.image_speed_px_s;
   estimate.image_shift_px = flow.image_shift_px;
   estimate.reference = reference.reference;
   std::transform(flow.stage_ms.begin(), flow.stage_ms.end(), reference.stage_ms.begin(),

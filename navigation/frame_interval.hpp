@@ -2,6 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <vector>
 
 #include "estimation/verdict.hpp"
 #include "flow/frame.hpp"
@@ -13,6 +14,9 @@ struct FrameInterval {
   double dt_s = 0;                   ///< since the previous frame; at least 1 ms
   std::optional<Verdict> rejection;  ///< first_frame, time_gap or frozen; empty: usable pair
   bool is_forward_gap = false;       ///< time_gap with an ascending stamp
+  /// Camera at rest: standard deviation of its zero angular rate and of its zero velocity in
+  /// heights/s. Empty otherwise.
+  std::optional<double> standstill_sigma_rad_s;
 };
 
 /// Compares the stamp and pixels of each frame with those of the previous one.
@@ -20,17 +24,19 @@ class FrameClock {
  public:
   explicit FrameClock(double max_gap_s) : max_gap_s_(max_gap_s) {}
 
-  /// `speed_px_s`: image speed of the previous frame; 0: not measured. With it, a repeated image
-  /// that was encoded again is detected, too: it is frozen if the expected motion is absent.
-  FrameInterval check(const Frame& frame, double speed_px_s = 0);
+  /// A repeated image that was encoded again is detected, too: the images before it changed much
+  /// more. For at most `max_gap_s`: after that they are of a camera that has stopped.
+  FrameInterval check(const Frame& frame);
 
  private:
-  [[nodiscard]] bool is_repeated(const cv::Mat& grey, double expected_px);
+  [[nodiscard]] bool is_repeated(const Frame& frame);
 
   double max_gap_s_;
   std::optional<Timestamp> last_stamp_;
-  cv::Mat last_image_;          // last one that was not frozen; shared with the source
-  double frozen_below_px_ = 0;  // displacement threshold while frozen; 0: inactive
+  cv::Mat last_image_;  // last one that was not frozen; shared with the source
+  Timestamp last_image_stamp_;
+  cv::Mat exposed_as_now_;                // buffer
+  std::vector<double> displacements_px_;  // of the last accepted images, each to the one before
 };
 
 }  // namespace stillkite

@@ -85,6 +85,10 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   current_.build(frame.grey, config_.alignment.levels);
   if (interval.rejection == Verdict::first_frame) return initialize(frame, readings);
   const double pyramid_ms = watch.lap_ms();
+  if (interval.standstill_sigma_rad_s) {
+    track_.stand_still(interval, readings, frame.stamp);
+    return stand_still(frame);
+  }
   // 2. Predict pose and velocity.
   track_.predict(interval.dt_s, readings);
   // 3. Align the image to the keyframe, from the predicted motion.
@@ -112,11 +116,18 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   NavigationEstimate out = answer(frame, verdict);
   out.new_keyframe = new_keyframe;
   // over ground that is not flat too: static overlays are found by it
-  if (verdict == Verdict::ok || verdict == Verdict::not_flat) {
-    set_image_motion(interval.dt_s, out);
-  }
+  if (verdict == Verdict::ok || verdict == Verdict::not_flat) set_image_shift(out);
   out.quality = quality_of(alignment);
   out.stage_ms = {pyramid_ms, flow_ms, 0, watch.lap_ms()};
+  return out;
+}
+
+// The tiles keep their positions for the next frame.
+NavigationEstimate KeyframeNavigator::stand_still(const Frame& frame) {
+  failures_ = 0;
+  has_tiles_ = false;
+  NavigationEstimate out = answer(frame, Verdict::still);
+  out.image_shift_px = Eigen::Vector2d::Zero();
   return out;
 }
 
@@ -325,17 +336,14 @@ std::vector<WeightedFlow> KeyframeNavigator::flow_vectors() const {
 }
 
 // Mean flow of the tiles since the last measured frame.
-void KeyframeNavigator::set_image_motion(double dt_s, NavigationEstimate& out) const {
-  double length_px = 0;
+void KeyframeNavigator::set_image_shift(NavigationEstimate& out) const {
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
   int count = 0;
   for_each_tile([&](const Eigen::Vector2f&, const Eigen::Vector2f& shift, float) {
-    length_px += static_cast<double>(shift.norm());
     shift_px += shift.cast<double>();
     ++count;
   });
   if (count == 0) return;
-  out.image_speed_px_s = length_px / count / dt_s;
   out.image_shift_px = shift_px / count;
 }
 

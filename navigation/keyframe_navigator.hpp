@@ -40,6 +40,7 @@ class KeyframeNavigator {
 
  private:
   NavigationEstimate initialize(const Frame& frame, const SensorReadings& readings);
+  NavigationEstimate stand_still(const Frame& frame);
   void set_mask(const std::shared_ptr<const ImageMask>& mask);
   [[nodiscard]] PlaneAlignment align(bool allow_search);
   [[nodiscard]] PlaneMotion predicted_motion() const;
@@ -55,7 +56,7 @@ class KeyframeNavigator {
                                        const std::optional<Eigen::Vector3d>& normal);
   void store_tile_positions(const FrameInterval& interval);
   void for_each_tile(auto&& visit) const;
-  void set_image_motion(double dt_s, NavigationEstimate& out) const;
+  void set_image_shift(NavigationEstimate& out) const;
   [[nodiscard]] SmoothErrors smooth_errors() const;
   [[nodiscard]] Verdict validate(const PlaneAlignment& alignment);
   [[nodiscard]] Verdict classify(const PlaneAlignment& alignment) const;

@@ -77,9 +77,7 @@ struct NavigationEstimate {
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate), both in C
   std::optional<Twist> measured_twist;           ///< least squares before the filter (paper mode)
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
-  /// Mean flow of the ground since the last non-frozen image, per last interval; 0: not measured.
-  double image_speed_px_s = 0;
-  /// Mean flow vector of the ground since that image; empty: not measured.
+  /// Mean flow vector of the ground since the last image that was not frozen; empty: not measured.
   std::optional<Eigen::Vector2d> image_shift_px;
 
   double masked_ratio = 0;  ///< of the image, by the frame's mask and detected static overlays

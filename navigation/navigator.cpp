@@ -8,6 +8,7 @@
 #include "flow/frame.hpp"
 #include "flow/frame_copies.hpp"
 #include "flow/image_mask.hpp"
+#include "flow/standstill_detector.hpp"
 #include "flow/static_overlay_detector.hpp"
 #include "navigation/best_navigator.hpp"
 #include "navigation/effective_config.hpp"
@@ -68,6 +69,11 @@ void check_image(const Frame& frame, const Camera& camera) {
       frame.index, grey.cols, grey.rows, grey.elemSize(), camera.width_px, camera.height_px));
 }
 
+// Not part of the papers' procedure; the filter of `fused` measures it.
+bool detects_standstill(const EstimatorConfig& estimator) {
+  return estimator.mode_in_use() == Mode::recommended && estimator.policy != Policy::fused;
+}
+
 // A range finder without an echo may return infinity. `inertial_steps` checks the IMU readings.
 SensorReadings drop_non_finite(SensorReadings readings) {
   const auto reset_unless = [](auto& reading, bool is_finite) {
@@ -90,7 +96,7 @@ struct Navigator::State {
   FrameClock clock;
   Method method;
   StaticOverlayDetector static_overlays;
-  double image_speed_px_s = 0;  // of the previous frame
+  std::optional<StandstillDetector> standstill;
 };
 
 Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -102,7 +108,10 @@ Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camer
                 .copies = FrameCopies(camera, valid_pixels),
                 .clock = FrameClock(config.trust.max_gap_s),
                 .method = make_method(camera, body_from_camera, config, initial, estimator),
-                .static_overlays = {}})) {}
+                .static_overlays = {},
+                .standstill = detects_standstill(estimator)
+                                  ? std::optional<StandstillDetector>(std::in_place)
+                                  : std::nullopt})) {}
 Navigator::~Navigator() = default;
 Navigator::Navigator(Navigator&&) noexcept = default;
 Navigator& Navigator::operator=(Navigator&&) noexcept = default;
@@ -118,13 +127,16 @@ Estimate Navigator::step(const ImageView& image, Timestamp stamp, const SensorRe
 // ReferenceNavigator, BestNavigator or FusedNavigator.
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
   check_image(frame, state_->camera);
-  const FrameInterval interval = state_->clock.check(frame, state_->image_speed_px_s);
+  FrameInterval interval = state_->clock.check(frame);
   const SensorReadings finite_readings = drop_non_finite(readings);
   const Frame masked = state_->static_overlays.masked(frame);
+  if (state_->standstill && (!interval.rejection || interval.rejection == Verdict::first_frame)) {
+    const std::optional<double> sigma_px_s = state_->standstill->update(masked);
+    if (sigma_px_s) interval.standstill_sigma_rad_s = *sigma_px_s / state_->camera.focal_x_px;
+  }
   NavigationEstimate estimate = std::visit(
       [&](auto& method) { return method.step(masked, interval, finite_readings); }, state_->method);
   if (masked.mask) estimate.masked_ratio = masked.mask->masked_ratio();
-  state_->image_speed_px_s = estimate.image_speed_px_s;
   state_->static_overlays.update(frame.grey, estimate.image_shift_px);
   return estimate;
 }

@@ -203,10 +203,7 @@ NavigationEstimate PaperNavigator::answer(const Frame& frame, const EgoMotion& m
       .residual_px = motion.residual_px,
       .condition = std::isfinite(motion.condition) ? motion.condition : 0};
   NavigationEstimate out = make_estimate(frame, body_from_camera_, parts);
-  if (motion.verdict == Verdict::ok) {
-    out.measured_twist = motion.twist;
-    out.image_speed_px_s = out.quality.mean_flow_px / dt_s_;
-  }
+  if (motion.verdict == Verdict::ok) out.measured_twist = motion.twist;
   return out;
 }
 

@@ -172,6 +172,17 @@ void PoseTrack::correct_keyframe(const PlaneAlignment& alignment, const SensorRe
   keyframe_ = corrected;
 }
 
+void PoseTrack::stand_still(const FrameInterval& interval, const SensorReadings& readings,
+                            Timestamp now) {
+  has_jumped_ = false;
+  const double sigma_rad_s = interval.standstill_sigma_rad_s.value();
+  filter_.reset_twist(sigma_rad_s * filter_.pose().translation.z(), sigma_rad_s);
+  common_twist_covariance_.setZero();
+  since_keyframe_s_ += interval.dt_s;
+  unmeasured_s_ = 0;
+  coast(readings, now);
+}
+
 void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
   camera_ = {levelled_from_filter_ * filter_.pose(),
              covariance_offset_ + filter_.pose_covariance()};

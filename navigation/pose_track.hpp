@@ -2,6 +2,7 @@
 
 #include "estimation/ego_motion/motion_filter.hpp"
 #include "estimation/plane/keyframe_pose.hpp"
+#include "navigation/frame_interval.hpp"
 #include "navigation/navigator_config.hpp"
 #include "navigation/sensor_readings.hpp"
 #include "navigation/sensor_update.hpp"
@@ -27,6 +28,9 @@ class PoseTrack {
   /// deviation of `now`.
   void update(const PlaneAlignment& alignment, const SensorReadings& readings, Timestamp now,
               double stamp_sigma_s);
+
+  /// Measures zero twist instead of a prediction and an alignment: the pose is held.
+  void stand_still(const FrameInterval& interval, const SensorReadings& readings, Timestamp now);
 
   /// Keeps the prediction: this frame has no measurement.
   void coast(const SensorReadings& readings, Timestamp now);

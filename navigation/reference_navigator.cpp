@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "estimation/fusion/error_state.hpp"
 #include "estimation/two_view/opencv_relative_pose.hpp"
 #include "estimation/two_view/relative_pose_estimator.hpp"
 #include "navigation/assumptions.hpp"
@@ -47,6 +48,7 @@ NavigationEstimate ReferenceNavigator::step(
     const Frame& frame, const FrameInterval& interval, const SensorReadings& readings,
     const RelocalizationCheck& is_consistent_relocalization) {
   StopWatch watch;
+  const ReferenceReport before = report_;
   flow_vectors_.clear();
   bearings_ = {};
   inliers_.clear();
@@ -58,6 +60,7 @@ NavigationEstimate ReferenceNavigator::step(
   if (interval.rejection == Verdict::first_frame) initial_stamp_ = current_.stamp = frame.stamp;
   if (!has_reference_) return initialize(frame);
   if (interval.rejection && !interval.is_forward_gap) return answer(frame, *interval.rejection);
+  if (interval.standstill_sigma_rad_s) return stand_still(frame, interval, before);
   // 2. Associate the reference's features.
   if (try_relocalization(frame, readings, is_consistent_relocalization)) relocalize(frame.stamp);
   const FeatureTracks& tracks = references_.back().association.associate(frame);
@@ -78,6 +81,18 @@ NavigationEstimate ReferenceNavigator::step(
   NavigationEstimate out = answer(frame, verdict);
   out.stage_ms = {0, flow_ms, solve_ms, watch.lap_ms()};
   return out;
+}
+
+// The last motion holds, if it was measured.
+NavigationEstimate ReferenceNavigator::stand_still(const Frame& frame,
+                                                   const FrameInterval& interval,
+                                                   const ReferenceReport& before) {
+  if (before.motion.status == EstimateStatus::ok) report_.motion = before.motion;
+  report_.model = before.model;
+  current_.stamp = frame.stamp;
+  twist_ = Twist{};
+  rate_covariance_ = square(interval.standstill_sigma_rad_s.value()) * Eigen::Matrix3d::Identity();
+  return answer(frame, Verdict::still);
 }
 
 ReferenceNavigator::Reference ReferenceNavigator::make_reference() const {
@@ -217,6 +232,10 @@ NavigationEstimate ReferenceNavigator::answer(const Frame& frame, Verdict verdic
     pose_covariance.bottomRightCorner<3, 3>() += by_stamp * by_stamp.transpose();
     parts.twist_in_camera = *twist_;
     parts.twist_covariance.bottomRightCorner<3, 3>() = rate_covariance_;
+    if (verdict == Verdict::still) {
+      parts.twist_covariance.topLeftCorner<3, 3>() =
+          square(world_from_initial_.translation.z()) * rate_covariance_;
+    }
   }
   NavigationEstimate out = make_estimate(frame, body_from_camera_, parts);
   out.reference = report_;

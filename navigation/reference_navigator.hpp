@@ -62,6 +62,8 @@ class ReferenceNavigator {
   };
 
   NavigationEstimate initialize(const Frame& frame);
+  NavigationEstimate stand_still(const Frame& frame, const FrameInterval& interval,
+                                 const ReferenceReport& before);
   [[nodiscard]] RelativePoseEstimate estimate(
       const std::vector<BearingPair>& pairs, const Reference& reference,
       const std::optional<RelativePose>& prior,

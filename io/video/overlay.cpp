@@ -32,6 +32,7 @@ constexpr float kOutlierWeight = 0.5F;
 const cv::Scalar& colour_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::ok:
+    case Verdict::still:
       return kGood;
     case Verdict::first_frame:
     case Verdict::frozen:

@@ -171,25 +171,6 @@ TEST_P(BadTimestamps, ThrowsOnWrongImageSize) {
 INSTANTIATE_TEST_SUITE_P(Navigator, BadTimestamps, testing::Values(Mode::paper, Mode::recommended),
                          [](const auto& mode) { return std::string(name_of(mode.param)); });
 
-// Input of the frozen test: a fifth of it is the minimum motion, also right after a new keyframe.
-TEST(BadFrame, ImageSpeedAfterFrozenImagesCoversTheirDisplacement) {
-  const auto& flight = rendered_flight();
-  bool has_renewed = false;
-  for (std::size_t first = 12; first < 36; ++first) {
-    Navigator navigator = flight.navigator();
-    NavigationEstimate before, after;
-    for (std::size_t i = 0; i <= first + 2; ++i) {
-      Frame frame = flight.frames[i];
-      if (i >= first && i < first + 2) frame.grey = flight.frames[first - 1].grey;
-      after = navigator.step(frame);
-      if (i + 1 == first) before = after;
-    }
-    has_renewed = has_renewed || before.new_keyframe;
-    EXPECT_NEAR(after.image_speed_px_s / before.image_speed_px_s, 3, 0.5) << first;
-  }
-  EXPECT_TRUE(has_renewed);
-}
-
 // Lost images without a gap in the stamps: the camera jumps by 2.4 m.
 TEST(BadFrame, PositionJumpResetsVelocity) {
   const auto& flight = rendered_flight();

@@ -135,7 +135,7 @@ TEST(ReferenceNavigator, RejectsRotationJumpThreeTimes) {
   (void)navigator.step(frame_of(room().image(at(kReference_m, 0.2), 1), 1));
   for (int i = 2; i < 8; ++i) {
     const NavigationEstimate estimate =
-        navigator.step(frame_of(room().image(at(kReference_m, 9), i), i));
+        navigator.step(frame_of(room().image(at(kReference_m, 9 + 0.3 * i), i), i));
     EXPECT_EQ(estimate.verdict, i < 5 ? Verdict::gated : Verdict::ok) << i;
   }
 }
@@ -213,7 +213,7 @@ TEST(ReferenceNavigator, RelocalizesOnFirstReference) {
   Navigator navigator = make_reference_navigator();
   int relocalized_at = -1;
   for (int i = 0; i <= 60; ++i) {
-    const double yaw_deg = 3.0 * std::clamp(30 - std::abs(i - 25), 5, 25) - 15;
+    const double yaw_deg = 3.0 * std::clamp(30 - std::abs(i - 25), 5, 25) - 15 + 0.3 * (i % 2);
     const RigidTransform truth = at(kReference_m + Eigen::Vector3d(0, 0.002, 0) * i, yaw_deg);
     const NavigationEstimate estimate = navigator.step(frame_of(room().image(truth, i), i));
     const ReferenceReport& reference = *estimate.reference;
