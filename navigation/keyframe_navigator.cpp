@@ -109,9 +109,12 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   } else {
     track_.coast(readings, frame.stamp);
   }
+  not_flat_motion_.reset();
+  if (verdict == Verdict::not_flat) not_flat_motion_ = alignment.motion;
   // 6. Replace a keyframe that is almost out of view or does not align any more.
-  const bool new_keyframe =
-      verdict == Verdict::ok ? count_success(alignment) : count_failure(verdict, interval);
+  const bool new_keyframe = verdict == Verdict::ok || verdict == Verdict::not_flat
+                                ? count_success(alignment)
+                                : count_failure(verdict, interval);
   if (new_keyframe) take_keyframe();
   NavigationEstimate out = answer(frame, verdict);
   out.new_keyframe = new_keyframe;
@@ -179,7 +182,9 @@ bool KeyframeNavigator::is_speed_initializing() const {
   return frames_since_speed_reset_ <= kSpeedConvergenceFrames;
 }
 
+// Over ground that is not flat the track coasts, but the images are aligned on.
 PlaneMotion KeyframeNavigator::predicted_motion() const {
+  if (not_flat_motion_) return *not_flat_motion_;
   return motion_between(track_.keyframe().world_from_camera, track_.filter().pose());
 }
 
@@ -361,8 +366,10 @@ bool KeyframeNavigator::count_failure(Verdict verdict, const FrameInterval& inte
     return false;
   }
   ++failures_;
-  // without velocity, a keyframe that nothing has aligned to is of no use
-  const bool is_unusable = tiles_at_keyframe_ == 0 && is_prediction_uncertain();
+  // without velocity, a keyframe that nothing has aligned to is of no use; without flat ground,
+  // none
+  const bool is_unusable =
+      !relief_.is_flat() || (tiles_at_keyframe_ == 0 && is_prediction_uncertain());
   const bool is_exhausted =
       interval.is_forward_gap || is_unusable || failures_ >= config_.keyframes.give_up_after;
   return is_exhausted && !is_textureless(texture_level(current_));
@@ -370,6 +377,7 @@ bool KeyframeNavigator::count_failure(Verdict verdict, const FrameInterval& inte
 
 void KeyframeNavigator::take_keyframe() {
   track_.take_keyframe();
+  not_flat_motion_.reset();
   aligner_.set_reference(current_);
   keyframe_is_previous_ = true;
   tiles_at_keyframe_ = 0;

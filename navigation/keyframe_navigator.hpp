@@ -75,6 +75,7 @@ class KeyframeNavigator {
   std::shared_ptr<const ImageMask> mask_;
   Pyramid current_;  // the keyframe's pyramid is held by the aligner
   std::optional<KeyframeView> view_;
+  std::optional<PlaneMotion> not_flat_motion_;  // of the last frame with this verdict
   int tiles_at_keyframe_ = 0;
   int frames_since_speed_reset_ = 0;
   int failures_ = 0;                                  // consecutive

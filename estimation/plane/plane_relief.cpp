@@ -15,12 +15,16 @@ constexpr double kMaxRelief = 0.03;
 
 constexpr double kSigmas = 3;
 
+// Standard deviation of the excess noise along the epipolar lines over the noise across, as at
+// night behind H.264.
+constexpr double kAnisotropy = 0.5;
+
 // Relative variance, times the sample size, of a variance from the median absolute deviation: 2
 // over its efficiency of 37 %.
 constexpr double kMadVariance = 5.4;
 
 // Median of chi-square with one degree of freedom.
-constexpr double kMedianChi2 = 0.4549364;
+constexpr double kMedianSquaredNormal = 0.4549364;
 
 }  // namespace
 
@@ -60,14 +64,15 @@ std::optional<ReliefMeasurement> measure_relief(const PlaneObservations& tiles,
   if (along.size() < kMinTiles) return std::nullopt;
   const double clusters =
       std::min<double>(static_cast<double>(along.size()), PlaneObservations::kClusters);
-  const double explained = upper_median(along) / kMedianChi2;
+  const double explained = upper_median(along) / kMedianSquaredNormal;
   // pixel noise depends on the texture's direction, errors of lens and shutter do not
-  const double noise = upper_median(across) / kMedianChi2 *
+  const double noise = upper_median(across) / kMedianSquaredNormal *
                        std::max(1.0, static_cast<double>(upper_median(noise_ratios)));
   // the estimated translation of a rotation is noise, to which the residuals are correlated
   if (noise > kMaxNoise) return std::nullopt;
   return ReliefMeasurement{.variance = explained - noise,
-                           .noise = noise * std::sqrt(2 * kMadVariance / clusters),
+                           .sigma = noise * std::sqrt(2 * kMadVariance / clusters),
+                           .across = noise,
                            .parallax_px = static_cast<double>(upper_median(parallaxes))};
 }
 
@@ -78,22 +83,30 @@ bool is_in_range(const ReliefMeasurement& measurement, double relief_ratio) {
 
 ReliefFilter::ReliefFilter() : sigma_(kMaxRelief * kMaxRelief) {}
 
-// Relief beyond the range of Lucas-Kanade is underestimated: evidence for relief, not against it.
+// Residuals beyond the range of Lucas-Kanade are underestimated: evidence for relief, not against
+// it.
 void ReliefFilter::update(const ReliefMeasurement& measurement) {
   constexpr double kChange = 1.0 / 30;  // of the relief, per frame
-  constexpr double kMinNoise2 = 1e-18;  // images without noise
+  constexpr double kMinSigma = 1e-9;    // images without noise
+  constexpr double kMaxResidual_px = 0.4;
   const double innovation = measurement.variance - variance_;
-  if (innovation < 0 && !is_in_range(measurement, ratio())) return;
-  const double noise2 = std::max(kMinNoise2, measurement.noise * measurement.noise);
-  double sigma2 = sigma_ * sigma_ + kChange * kChange * variance_ * variance_;
-  if (innovation * innovation > kSigmas * kSigmas * (sigma2 + noise2)) {  // other ground
-    sigma2 = innovation * innovation;
+  const double residual_px =
+      measurement.parallax_px * std::sqrt(std::max(0.0, measurement.variance + measurement.across));
+  const bool is_underestimated =
+      residual_px > kMaxResidual_px || !is_in_range(measurement, ratio());
+  if (innovation < 0 && is_underestimated) return;
+  const double noise = std::max(kMinSigma, measurement.sigma);
+  double sigma = std::hypot(sigma_, kChange * variance_);
+  const double by_anisotropy = kAnisotropy * (measurement.across - by_anisotropy_);
+  if (std::abs(innovation) > kSigmas * std::hypot(sigma, noise, by_anisotropy)) {
+    sigma = std::abs(innovation);  // other ground
   }
-  const double gain = sigma2 / (sigma2 + noise2);
+  const double gain = sigma * sigma / (sigma * sigma + noise * noise);
   variance_ += gain * innovation;
-  sigma_ = std::sqrt((1 - gain) * sigma2);
-  const double margin = (is_flat_ ? -kSigmas : kSigmas) * sigma_;
-  is_flat_ = variance_ + margin < kMaxRelief * kMaxRelief;
+  by_anisotropy_ += gain * (measurement.across - by_anisotropy_);
+  sigma_ = std::sqrt(1 - gain) * sigma;
+  const double margin = kSigmas * std::hypot(sigma_, kAnisotropy * by_anisotropy_);
+  is_flat_ = variance_ + (is_flat_ ? -margin : margin) < kMaxRelief * kMaxRelief;
 }
 
 double ReliefFilter::ratio() const {

@@ -11,7 +11,8 @@ namespace stillkite {
 /// excess of that across them, over the flow of the translation.
 struct ReliefMeasurement {
   double variance = 0;     ///< of relief over height, without the fitted plane; noise: negative
-  double noise = 0;        ///< standard deviation of `variance`
+  double sigma = 0;        ///< standard deviation of `variance` with isotropic noise
+  double across = 0;       ///< variance across the epipolar lines, like `variance`: noise
   double parallax_px = 0;  ///< median flow of the translation, on the level of the measurement
 };
 
@@ -35,7 +36,9 @@ struct ReliefMeasurement {
               jacobian.y(2)[i] * translation.z()};
 }
 
-/// Kalman filter of the relief's variance.
+/// Kalman filter of the relief's variance. The noise along the epipolar lines may exceed the one
+/// across, since coding errors follow the motion: the verdict considers that error without
+/// estimating it (Schmidt 1966).
 class ReliefFilter {
  public:
   /// RMS of a plane's tilt over RMS of the residual to the plane, for self-affine terrain of Hurst
@@ -54,8 +57,9 @@ class ReliefFilter {
   [[nodiscard]] bool is_flat() const { return is_flat_; }
 
  private:
-  double variance_ = 0;  // ratio^2
-  double sigma_;         // of `variance_`
+  double variance_ = 0;       // ratio^2
+  double sigma_;              // of `variance_` with isotropic noise
+  double by_anisotropy_ = 0;  // d(variance_)/d(excess noise along over noise across)
   bool is_flat_ = true;
 };
 

@@ -79,7 +79,9 @@ TEST_P(LandingGear, IsDetectedInFlight) {
   EXPECT_EQ(estimates.front().masked_ratio, 0);
   EXPECT_GT(estimates.back().masked_ratio, 0.03);
   EXPECT_LT(estimates.back().masked_ratio, 0.25);
-  EXPECT_LT(displacement_error_m(estimates, 50), 0.1);
+  // `best` keeps the attitude error of the reference estimator before the detection
+  const double max_error_m = GetParam() == Policy::best ? 0.3 : 0.1;
+  EXPECT_LT(displacement_error_m(estimates, 50), max_error_m);
 }
 
 TEST_P(LandingGear, IsHarmlessBehindMask) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace stillkite {
@@ -17,7 +18,8 @@ struct Tiles {
   TileMeasurements measurements;
   std::vector<int> cluster = std::vector<int>(kTiles);
 
-  Tiles(double relief, double noise_px, int seed) {
+  /// `excess`: of the noise along the parallax, in variances of the noise.
+  Tiles(double relief, double noise_px, int seed, double excess = 0) {
     constexpr float kGradient = 1e4F;
     std::mt19937 random(static_cast<std::mt19937::result_type>(seed));
     std::normal_distribution<float> normal;
@@ -26,7 +28,7 @@ struct Tiles {
     for (std::size_t i = 0; i < kTiles; ++i) {
       jacobian.rows[i] = kParallax_px;  // x by the first translation
       const float error_x = static_cast<float>(relief) * kParallax_px * normal(random) +
-                            static_cast<float>(noise_px) * normal(random);
+                            static_cast<float>(noise_px * std::sqrt(1 + excess)) * normal(random);
       measurements.gx[i] = kGradient * error_x;
       measurements.gy[i] = kGradient * static_cast<float>(noise_px) * normal(random);
     }
@@ -48,7 +50,7 @@ TEST(PlaneRelief, IsMeasuredAlongTheEpipolarLines) {
 TEST(PlaneRelief, NoiseInAllDirectionsIsNone) {
   for (int seed = 1; seed <= 20; ++seed) {
     const ReliefMeasurement measurement = Tiles(0, 0.3, seed).measure();
-    EXPECT_LT(std::abs(measurement.variance), 3 * measurement.noise) << seed;
+    EXPECT_LT(std::abs(measurement.variance), 3 * measurement.sigma) << seed;
   }
 }
 
@@ -79,6 +81,17 @@ TEST(ReliefFilter, UncertaintyIsIncludedAndFalls) {
     EXPECT_TRUE(filter.is_flat()) << frame;
   }
   EXPECT_LT(filter.ratio(), 0.3 * at_start);
+}
+
+// Coding errors follow the motion; they do not grow with the parallax.
+TEST(ReliefFilter, NoiseAlongTheMotionIsNoRelief) {
+  ReliefFilter filter;
+  for (int keyframe = 0; keyframe < 5; ++keyframe) {
+    for (int frame = 1; frame <= 20; ++frame) {
+      filter.update(Tiles(0, 0.2, 20 * keyframe + frame, 0.8).measure(0.2 * frame));
+      EXPECT_TRUE(filter.is_flat()) << keyframe << " " << frame;
+    }
+  }
 }
 
 TEST(ReliefFilter, IsFiniteWithoutNoise) {
