@@ -106,13 +106,16 @@ struct TrustConfig {
 /// Measurement noise of other sensors.
 struct SensorConfig {
   double gyro_sigma_rad_s = 0.005;
+  double gyro_bias_sigma_rad_s = 0.1;
   double height_sigma_m = 0.1;
   double attitude_sigma_rad = 0.01;
   double start_height_sigma_ratio = 0.05;
 
   static void fields(auto& self, auto&& field) {
     field("gyro_sigma_rad_s", self.gyro_sigma_rad_s, Range{1e-9, 1e9},
-          "standard deviation of a mean angular rate, bias included");
+          "standard deviation of a mean angular rate without its bias");
+    field("gyro_bias_sigma_rad_s", self.gyro_bias_sigma_rad_s, Range{0, 1},
+          "standard deviation of the gyroscope's initial bias; it is estimated by the images");
     field("height_sigma_m", self.height_sigma_m, Range{1e-9, 1e9},
           "standard deviation of a height");
     field("attitude_sigma_rad", self.attitude_sigma_rad, Range{1e-9, 1e9},

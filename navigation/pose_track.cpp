@@ -9,7 +9,10 @@ namespace stillkite {
 
 PoseTrack::PoseTrack(const RigidTransform& body_from_camera, const NavigatorConfig& config,
                      const InitialState& initial)
-    : body_from_camera_(body_from_camera), config_(config), filter_(config.filter) {
+    : body_from_camera_(body_from_camera),
+      config_(config),
+      filter_(config.filter),
+      gyro_bias_(config.sensors.gyro_bias_sigma_rad_s) {
   const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
   keyframe_.pose.world_from_camera = initial.world_from_body * body_from_camera;
   keyframe_.pose.covariance.diagonal() << kExactVariance, kExactVariance, kExactVariance,
@@ -34,23 +37,50 @@ void PoseTrack::predict(double dt_s, const SensorReadings& readings) {
   has_jumped_ = false;
   const double max_gap_s = config_.trust.max_gap_s;
   const double predicted_s = std::clamp(max_gap_s - unmeasured_s_, 0.0, dt_s);
-  if (predicted_s > 0) filter_.predict(predicted_s);
+  const auto predict_filters = [&](double by_s) {
+    for_each_filter([&](MotionFilter& filter) { filter.predict(by_s); });
+  };
+  if (predicted_s > 0) predict_filters(predicted_s);
   if (predicted_s < dt_s) {
     if (unmeasured_s_ <= max_gap_s) reset_twist();
-    filter_.predict(dt_s - predicted_s);
+    predict_filters(dt_s - predicted_s);
   }
   if (filter_.pose().translation.z() <
       kMinHeightRatio * keyframe_.pose.world_from_camera.translation.z()) {
     reset_twist();
   }
   if (readings.mean_angular_rate_in_body_rad_s) {
-    const Eigen::Vector3d rate =
-        body_from_camera_.rotation.conjugate() * *readings.mean_angular_rate_in_body_rad_s;
-    const double sigma = config_.sensors.gyro_sigma_rad_s;
-    filter_.update_rate(rate, sigma * sigma * Eigen::Matrix3d::Identity());
+    update_rate(*readings.mean_angular_rate_in_body_rad_s, dt_s);
+  } else {
+    gyro_bias_.stop();
   }
   unmeasured_s_ += dt_s;
   since_keyframe_s_ += dt_s;
+}
+
+void PoseTrack::for_each_filter(auto&& apply) {
+  apply(filter_);
+  if (dead_reckoning_) apply(*dead_reckoning_);
+}
+
+void PoseTrack::update_rate(const Eigen::Vector3d& mean_rate_in_body_rad_s, double dt_s) {
+  const Eigen::Vector3d rate = body_from_camera_.rotation.conjugate() * mean_rate_in_body_rad_s;
+  const double sigma = config_.sensors.gyro_sigma_rad_s;
+  gyro_bias_.integrate(rate, dt_s, sigma);
+  const Eigen::Matrix3d covariance =
+      sigma * sigma * Eigen::Matrix3d::Identity() + gyro_bias_.covariance();
+  for_each_filter([&](MotionFilter& filter) {
+    filter.update_rate(rate - gyro_bias_.mean_rad_s(), covariance);
+  });
+  if (dead_reckoning_) gyro_only_s_ += dt_s;
+}
+
+// By the rotation to the keyframe, with errors of the lens and the ground.
+void PoseTrack::update_gyro_bias(const ChainedPose& chained) {
+  const Eigen::Matrix3d R = chained.camera.world_from_camera.rotation.toRotationMatrix();
+  const Eigen::Matrix3d covariance =
+      (chained.relative_covariance + chained.common_covariance).bottomRightCorner<3, 3>();
+  gyro_bias_.update(chained.keyframe_from_camera.rotation, R.transpose() * covariance * R);
 }
 
 // Holds the position; the former velocity becomes its standard deviation.
@@ -59,10 +89,12 @@ void PoseTrack::reset_twist() {
   const Twist twist = filter_.twist_in_camera();
   const double min_height_m = kMinHeightRatio * keyframe_.pose.world_from_camera.translation.z();
   const double height_correction_m = std::max(0.0, min_height_m - filter_.pose().translation.z());
-  filter_.transform_world({Eigen::Quaterniond::Identity(), {0, 0, height_correction_m}});
-  filter_.reset_twist(
-      twist.velocity_m_s.norm() + std::sqrt(covariance.diagonal().head<3>().maxCoeff()),
-      twist.angular_rate_rad_s.norm() + std::sqrt(covariance.diagonal().tail<3>().maxCoeff()));
+  for_each_filter([&](MotionFilter& filter) {
+    filter.transform_world({Eigen::Quaterniond::Identity(), {0, 0, height_correction_m}});
+    filter.reset_twist(
+        twist.velocity_m_s.norm() + std::sqrt(covariance.diagonal().head<3>().maxCoeff()),
+        twist.angular_rate_rad_s.norm() + std::sqrt(covariance.diagonal().tail<3>().maxCoeff()));
+  });
 }
 
 MotionFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
@@ -104,14 +136,14 @@ void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& re
   const Matrix6d covariance = chained.relative_covariance + by_stamp * by_stamp.transpose();
   const double jump_m = position_jump_m(chained, stamp_sigma_s);
   has_jumped_ = jump_m > 0;
-  if (has_jumped_) {  // the images measure the position, not the velocity
-    filter_.inflate_position_covariance(jump_m);
-    reset_twist();
-  }
+  // the images measure the position; the velocity is unknown by as much as it would explain
+  if (has_jumped_) filter_.add_jump(jump_m, jump_m / unmeasured_s_);
   update_filter(filter_, chained, covariance, alignment);
   camera_ = chained.camera;
   levelled_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
   covariance_offset_ = camera_.covariance - filter_.pose_covariance();
+  dead_reckoning_.reset();
+  update_gyro_bias(chained);
   common_twist_covariance_ = common_twist_covariance(chained);
   unmeasured_s_ = 0;
 }
@@ -176,7 +208,9 @@ void PoseTrack::stand_still(const FrameInterval& interval, const SensorReadings&
                             Timestamp now) {
   has_jumped_ = false;
   const double sigma_rad_s = interval.standstill_sigma_rad_s.value();
-  filter_.reset_twist(sigma_rad_s * filter_.pose().translation.z(), sigma_rad_s);
+  for_each_filter([&](MotionFilter& filter) {
+    filter.reset_twist(sigma_rad_s * filter_.pose().translation.z(), sigma_rad_s);
+  });
   common_twist_covariance_.setZero();
   since_keyframe_s_ += interval.dt_s;
   unmeasured_s_ = 0;
@@ -184,8 +218,17 @@ void PoseTrack::stand_still(const FrameInterval& interval, const SensorReadings&
 }
 
 void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
+  if (!dead_reckoning_) {
+    dead_reckoning_ = filter_;
+    dead_reckoning_offset_ = covariance_offset_;
+    gyro_only_s_ = 0;
+  }
   camera_ = {levelled_from_filter_ * filter_.pose(),
-             covariance_offset_ + filter_.pose_covariance()};
+             dead_reckoning_offset_ + dead_reckoning_->pose_covariance()};
+  // the bias is constant: its error grows with the time, that of the rate with its root
+  const Eigen::Matrix3d R = camera_.world_from_camera.rotation.toRotationMatrix();
+  camera_.covariance.bottomRightCorner<3, 3>() +=
+      gyro_only_s_ * gyro_only_s_ * R * gyro_bias_.covariance() * R.transpose();
   if (keyframe_.scale == ScaleSource::none)
     return;  // no alignment transfers a scale to the keyframe
   ScaledPose current = keyframe_;
@@ -201,11 +244,13 @@ void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
 
 void PoseTrack::take_keyframe() {
   // move the filter to the levelled world
-  filter_.transform_world(camera_.world_from_camera * filter_.pose().inverse());
+  const RigidTransform levelled = camera_.world_from_camera * filter_.pose().inverse();
+  for_each_filter([&](MotionFilter& filter) { filter.transform_world(levelled); });
   keyframe_.pose = camera_;
   keyframe_twist_ = filter_.twist_in_camera();
   levelled_from_filter_ = {};
   since_keyframe_s_ = 0;
+  gyro_bias_.start_at(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Zero());
   // alignments do not observe the position of an unmeasured keyframe
   if (unmeasured_s_ > 0) filter_.set_pose_as_origin();
   covariance_offset_ = camera_.covariance - filter_.pose_covariance();

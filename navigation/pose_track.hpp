@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "estimation/ego_motion/gyro_bias.hpp"
 #include "estimation/ego_motion/motion_filter.hpp"
 #include "estimation/plane/keyframe_pose.hpp"
 #include "navigation/frame_interval.hpp"
@@ -54,7 +57,8 @@ class PoseTrack {
   /// Camera pose at the first frame, rescaled with the world by the first height.
   [[nodiscard]] const RigidTransform& world_from_initial() const { return world_from_initial_; }
   /// True if the last frame's displacement exceeds any plausible acceleration: images are missing
-  /// or were repeated without a trace in the stamps.
+  /// or were repeated without a trace in the stamps. The velocity is then kept, with the standard
+  /// deviation that would explain the displacement.
   [[nodiscard]] bool has_jumped() const { return has_jumped_; }
   [[nodiscard]] ScaleSource scale() const { return keyframe_.scale; }
   [[nodiscard]] Timestamp scale_stamp() const { return keyframe_.scale_stamp; }
@@ -66,6 +70,9 @@ class PoseTrack {
   [[nodiscard]] Matrix6d common_twist_covariance(const ChainedPose& chained) const;
   [[nodiscard]] double position_jump_m(const ChainedPose& chained, double stamp_sigma_s) const;
   void reset_twist();
+  void for_each_filter(auto&& apply);
+  void update_rate(const Eigen::Vector3d& mean_rate_in_body_rad_s, double dt_s);
+  void update_gyro_bias(const ChainedPose& chained);
   void update_filter(MotionFilter& filter, const ChainedPose& chained, const Matrix6d& covariance,
                      const PlaneAlignment& alignment) const;
 
@@ -74,11 +81,17 @@ class PoseTrack {
   ScaledPose keyframe_;
   Twist keyframe_twist_;
   MotionFilter filter_;
+  GyroBias gyro_bias_;
   PoseEstimate camera_;
   RigidTransform world_from_initial_;
   RigidTransform levelled_from_filter_;            // correction by the keyframe's levelling
   Matrix6d covariance_offset_ = Matrix6d::Zero();  // pose covariance that the filter lacks
   Matrix6d common_twist_covariance_ = Matrix6d::Zero();
+  /// Filter since the last measurement: its position keeps the correlation with the velocity
+  /// through keyframes taken meanwhile. `dead_reckoning_offset_`: as `covariance_offset_`.
+  std::optional<MotionFilter> dead_reckoning_;
+  Matrix6d dead_reckoning_offset_ = Matrix6d::Zero();
+  double gyro_only_s_ = 0;  ///< of that, with a gyroscope
   double since_keyframe_s_ = 0;
   double unmeasured_s_ = 0;  // since the last measurement
   bool has_jumped_ = false;

@@ -172,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(Navigator, BadTimestamps, testing::Values(Mode::paper, 
                          [](const auto& mode) { return std::string(name_of(mode.param)); });
 
 // Lost images without a gap in the stamps: the camera jumps by 2.4 m.
-TEST(BadFrame, PositionJumpResetsVelocity) {
+TEST(BadFrame, PositionJumpMakesTheVelocityUncertain) {
   const auto& flight = rendered_flight();
   constexpr std::size_t kFirstShifted = 30;
   constexpr std::size_t kLostFrames = 10;
@@ -273,6 +273,29 @@ TEST(BadFrame, RecoversAfterOcclusion) {
     const Twist& truth = flight.record.twists_in_camera[i - 1].twist;
     EXPECT_LT((e.twist_in_camera.velocity_m_s - truth.velocity_m_s).norm(), 0.3) << i;
   }
+}
+
+// The velocity's error lasts: the position's grows with the time, through keyframes that are taken
+// without a measurement.
+TEST(BadFrame, PositionCovarianceOfALongLossGrowsWithTheVelocity) {
+  const auto& flight = rendered_flight();
+  Navigator navigator = flight.navigator();
+  NavigationEstimate e;
+  for (std::size_t i = 0; i <= 20; ++i) e = navigator.step(flight.frames[i]);
+  const double speed_m_s = e.velocity_in_world_m_s.norm();
+  int keyframes = 0;
+  constexpr int kFrames = 100;
+  for (int k = 1; k <= kFrames; ++k) {
+    cv::Mat noise(flight.frames[0].grey.size(), CV_8UC1);
+    cv::randn(noise, 128, 40);
+    e = navigator.step({from_seconds(0.04 * (20 + k)), 20 + k, noise});
+    EXPECT_NE(e.verdict, Verdict::ok) << k;
+    keyframes += e.new_keyframe ? 1 : 0;
+  }
+  EXPECT_GT(keyframes, 5);
+  const double held_s = 0.04 * kFrames - TrustConfig{}.max_gap_s;
+  EXPECT_GT(std::sqrt(e.pose_covariance(0, 0)), 0.9 * speed_m_s * held_s);
+  EXPECT_LT(std::sqrt(e.pose_covariance(0, 0)), 2 * speed_m_s * held_s);
 }
 
 // After 1.5 s of a repeated image the view has moved by a third of the image.
