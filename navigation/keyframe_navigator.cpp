@@ -384,11 +384,9 @@ void KeyframeNavigator::take_keyframe() {
 }
 
 NavigationEstimate KeyframeNavigator::answer(const Frame& frame, Verdict verdict) const {
-  const Twist twist_in_camera = track_.filter().mean_twist_in_camera();
+  const auto [twist_in_camera, covariance] = track_.twist();
   PoseEstimate camera = track_.camera();
-  const Matrix6d twist_covariance = track_.filter().mean_twist_covariance() +
-                                    track_.common_twist_covariance() +
-                                    scale_error_covariance(camera, twist_in_camera);
+  const Matrix6d twist_covariance = covariance + scale_error_covariance(camera, twist_in_camera);
   camera.covariance += stamp_error_covariance(camera, twist_in_camera, frame.stamp_sigma_s);
   return make_estimate(
       frame, body_from_camera_,

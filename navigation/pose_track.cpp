@@ -136,8 +136,11 @@ void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& re
   const Matrix6d covariance = chained.relative_covariance + by_stamp * by_stamp.transpose();
   const double jump_m = position_jump_m(chained, stamp_sigma_s);
   has_jumped_ = jump_m > 0;
-  // the images measure the position; the velocity is unknown by as much as it would explain
-  if (has_jumped_) filter_.add_jump(jump_m, jump_m / unmeasured_s_);
+  if (has_jumped_) {  // the images measure the position, not the velocity
+    twist_before_jump_ = filter_.twist_in_camera();
+    filter_.inflate_position_covariance(jump_m);
+    reset_twist();
+  }
   update_filter(filter_, chained, covariance, alignment);
   camera_ = chained.camera;
   levelled_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
@@ -146,6 +149,14 @@ void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& re
   update_gyro_bias(chained);
   common_twist_covariance_ = common_twist_covariance(chained);
   unmeasured_s_ = 0;
+}
+
+// After a jump the velocity is unknown: the one before it, with the standard deviations of the
+// reset.
+TwistEstimate PoseTrack::twist() const {
+  if (has_jumped_) return {twist_before_jump_, filter_.twist_covariance()};
+  return {filter_.mean_twist_in_camera(),
+          filter_.mean_twist_covariance() + common_twist_covariance_};
 }
 
 // The errors are proportional to the motion since the keyframe: those of a constant twist.

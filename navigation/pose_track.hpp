@@ -12,6 +12,12 @@
 
 namespace stillkite {
 
+/// Twist in camera with the covariance of (velocity, angular rate).
+struct TwistEstimate {
+  Twist twist;
+  Matrix6d covariance;
+};
+
 /// Camera pose over time: a keyframe's pose, the alignments to it, and a filter that predicts
 /// across frames without a measurement.
 class PoseTrack {
@@ -51,14 +57,12 @@ class PoseTrack {
   /// Filter updated by this alignment, without changing the track.
   [[nodiscard]] MotionFilter filter_after(const PlaneAlignment& alignment) const;
   [[nodiscard]] const PoseEstimate& camera() const { return camera_; }
-  /// Covariance of (velocity, angular rate) in camera that the filter lacks: errors common to the
-  /// frames of a keyframe.
-  [[nodiscard]] const Matrix6d& common_twist_covariance() const { return common_twist_covariance_; }
+  /// Mean twist over the last interval.
+  [[nodiscard]] TwistEstimate twist() const;
   /// Camera pose at the first frame, rescaled with the world by the first height.
   [[nodiscard]] const RigidTransform& world_from_initial() const { return world_from_initial_; }
   /// True if the last frame's displacement exceeds any plausible acceleration: images are missing
-  /// or were repeated without a trace in the stamps. The velocity is then kept, with the standard
-  /// deviation that would explain the displacement.
+  /// or were repeated without a trace in the stamps. The velocity is then unknown.
   [[nodiscard]] bool has_jumped() const { return has_jumped_; }
   [[nodiscard]] ScaleSource scale() const { return keyframe_.scale; }
   [[nodiscard]] Timestamp scale_stamp() const { return keyframe_.scale_stamp; }
@@ -84,9 +88,10 @@ class PoseTrack {
   GyroBias gyro_bias_;
   PoseEstimate camera_;
   RigidTransform world_from_initial_;
-  RigidTransform levelled_from_filter_;            // correction by the keyframe's levelling
-  Matrix6d covariance_offset_ = Matrix6d::Zero();  // pose covariance that the filter lacks
-  Matrix6d common_twist_covariance_ = Matrix6d::Zero();
+  RigidTransform levelled_from_filter_;                  // correction by the keyframe's levelling
+  Matrix6d covariance_offset_ = Matrix6d::Zero();        // pose covariance that the filter lacks
+  Matrix6d common_twist_covariance_ = Matrix6d::Zero();  // twist covariance that it lacks
+  Twist twist_before_jump_;
   /// Filter since the last measurement: its position keeps the correlation with the velocity
   /// through keyframes taken meanwhile. `dead_reckoning_offset_`: as `covariance_offset_`.
   std::optional<MotionFilter> dead_reckoning_;

@@ -36,12 +36,6 @@ void MotionFilter::reset_twist(double velocity_sigma_m_s, double rate_sigma_rad_
   P_.diagonal().segment<3>(9).setConstant(rate_sigma_rad_s * rate_sigma_rad_s);
 }
 
-void MotionFilter::add_jump(double position_sigma_m, double velocity_sigma_m_s) {
-  P_.diagonal().head<3>().array() += position_sigma_m * position_sigma_m;
-  P_.diagonal().segment<3>(6).array() += velocity_sigma_m_s * velocity_sigma_m_s;
-  interval_s_ = 0;
-}
-
 void MotionFilter::predict(double dt_s) {
   const Eigen::Matrix3d R = pose_.rotation.toRotationMatrix();
   previous_pose_ = pose_;

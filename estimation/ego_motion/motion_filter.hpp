@@ -35,9 +35,10 @@ class MotionFilter {
   /// Makes the current pose the origin: its error becomes zero by definition.
   void set_pose_as_origin();
 
-  /// Discontinuity of the position, since the last frame: adds independent errors of position and
-  /// velocity per axis. The velocity is kept, the mean over the interval is not observed.
-  void add_jump(double position_sigma_m, double velocity_sigma_m_s);
+  /// Adds `sigma_m`^2 to the position variance of each axis.
+  void inflate_position_covariance(double sigma_m) {
+    P_.diagonal().head<3>().array() += sigma_m * sigma_m;
+  }
 
   /// Resets the twist to zero with the given standard deviations; keeps the pose covariance.
   void reset_twist(double velocity_sigma_m_s, double rate_sigma_rad_s);
