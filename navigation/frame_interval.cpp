@@ -65,36 +65,32 @@ FrameInterval FrameClock::check(const Frame& frame) {
     out.is_forward_gap = dt_s > max_gap_s_;
     if (dt_s <= 0 || out.is_forward_gap) {
       out.rejection = Verdict::time_gap;
-    } else if (is_repeated(frame)) {
+    } else if (is_repeated(frame.grey)) {
       out.rejection = Verdict::frozen;
     }
   }
   last_stamp_ = last_stamp_ ? std::max(*last_stamp_, frame.stamp) : frame.stamp;
-  if (out.rejection != Verdict::frozen) {
-    last_image_ = frame.grey;
-    last_image_stamp_ = frame.stamp;
-  }
+  if (out.rejection != Verdict::frozen) last_image_ = frame.grey;
   return out;
 }
 
 // Motion above one pixel per frame does not stop within a frame. A repeated image measures 0.1 px
 // after H.264 or MPEG-4, and 0.6 px if it is intra-coded.
-bool FrameClock::is_repeated(const Frame& frame) {
+bool FrameClock::is_repeated(const cv::Mat& grey) {
   constexpr double kMinDisplacement_px = 1;
   constexpr double kDisplacementRatio = 0.2;
   constexpr double kMaxFrozenDisplacement_px = 0.75;
   constexpr std::size_t kDisplacements = 8;
-  if (same_image(frame.grey, last_image_)) return true;
-  if (frame.grey.size() != last_image_.size() || frame.grey.cols <= 2) return false;
-  const double displacement_px = image_displacement_px(last_image_, frame.grey, exposed_as_now_);
+  if (same_image(grey, last_image_)) return true;
+  if (grey.size() != last_image_.size() || grey.cols <= 2) return false;
+  const double displacement_px = image_displacement_px(last_image_, grey, exposed_as_now_);
   if (!std::isfinite(displacement_px)) {
     displacements_px_.clear();
     return false;
   }
   const double expected_px = expected_displacement_px(displacements_px_);
   if (expected_px > kMinDisplacement_px &&
-      displacement_px < std::min(kDisplacementRatio * expected_px, kMaxFrozenDisplacement_px) &&
-      seconds_between(last_image_stamp_, frame.stamp) <= max_gap_s_) {
+      displacement_px < std::min(kDisplacementRatio * expected_px, kMaxFrozenDisplacement_px)) {
     return true;
   }
   if (displacements_px_.size() == kDisplacements)

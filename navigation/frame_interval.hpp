@@ -25,16 +25,15 @@ class FrameClock {
   explicit FrameClock(double max_gap_s) : max_gap_s_(max_gap_s) {}
 
   /// A repeated image that was encoded again is detected, too: the images before it changed much
-  /// more. For at most `max_gap_s`: after that they are of a camera that has stopped.
+  /// more, and no camera stops within a frame.
   FrameInterval check(const Frame& frame);
 
  private:
-  [[nodiscard]] bool is_repeated(const Frame& frame);
+  [[nodiscard]] bool is_repeated(const cv::Mat& grey);
 
   double max_gap_s_;
   std::optional<Timestamp> last_stamp_;
-  cv::Mat last_image_;  // last one that was not frozen; shared with the source
-  Timestamp last_image_stamp_;
+  cv::Mat last_image_;                    // last one that was not frozen; shared with the source
   cv::Mat exposed_as_now_;                // buffer
   std::vector<double> displacements_px_;  // of the last accepted images, each to the one before
 };
