@@ -68,7 +68,7 @@ double StandstillDetector::AffineDisplacement::rms_px(const AffineVector& parame
   return std::sqrt(parameters.dot(second_moment * parameters));
 }
 
-std::optional<double> StandstillDetector::update(const Frame& frame) {
+std::optional<Standstill> StandstillDetector::update(const Frame& frame) {
   current_.build(frame.grey, levels_for(frame.grey.cols));
   const bool is_comparable = reference_.levels() > 0 && rest_since_ < frame.stamp &&
                              mask_ == frame.mask && reference_.level(0).size() == frame.grey.size();
@@ -93,7 +93,9 @@ std::optional<double> StandstillDetector::update(const Frame& frame) {
     last_ = {frame.stamp, now->motion};
   }
   if (speeds_ == 0 || seconds_between(rest_since_, frame.stamp) < kMinRest_s) return std::nullopt;
-  return std::ldexp(std::sqrt(mean_speed2_), level_in_use(current_));
+  const double scale = std::ldexp(1.0, level_in_use(current_));
+  return Standstill{.speed_px_s = scale * std::sqrt(mean_speed2_),
+                    .displacement_px = scale * now->rms_px(now->motion)};
 }
 
 std::optional<StandstillDetector::AffineDisplacement> StandstillDetector::displacement_at_rest(

@@ -12,13 +12,18 @@
 
 namespace stillkite {
 
+/// Motion of a camera at rest, RMS over the image.
+struct Standstill {
+  double speed_px_s = 0;       ///< RMS of the last frames too: standard deviation of zero speed
+  double displacement_px = 0;  ///< since the camera came to rest
+};
+
 /// Detects a camera at rest by its images alone, over any scene: most of the image has texture, and
 /// its displacement stays below some tenths of a pixel (docs/inputs_and_calibration.md).
 class StandstillDetector {
  public:
-  /// Processes one frame. RMS image speed over the image and the last frames, px/s: the standard
-  /// deviation of zero speed. Empty unless the camera came to rest `kMinRest_s` ago.
-  [[nodiscard]] std::optional<double> update(const Frame& frame);
+  /// Processes one frame. Empty unless the camera came to rest `kMinRest_s` ago.
+  [[nodiscard]] std::optional<Standstill> update(const Frame& frame);
 
   static constexpr double kMinRest_s = 0.5;
 

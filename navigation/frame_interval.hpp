@@ -9,14 +9,18 @@
 
 namespace stillkite {
 
+/// Standard deviations of a camera at rest, angles of the image.
+struct StandstillSigma {
+  double rate_rad_s = 0;    ///< of zero angular rate, and of zero velocity in heights/s
+  double rotation_rad = 0;  ///< of the rotation since it came to rest, or of the shift in heights
+};
+
 /// Interval between two frames, and the checks that precede any motion estimation.
 struct FrameInterval {
   double dt_s = 0;                   ///< since the previous frame; at least 1 ms
   std::optional<Verdict> rejection;  ///< first_frame, time_gap or frozen; empty: usable pair
   bool is_forward_gap = false;       ///< time_gap with an ascending stamp
-  /// Camera at rest: standard deviation of its zero angular rate and of its zero velocity in
-  /// heights/s. Empty otherwise.
-  std::optional<double> standstill_sigma_rad_s;
+  std::optional<StandstillSigma> standstill;  ///< camera at rest; empty otherwise
 };
 
 /// Compares the stamp and pixels of each frame with those of the previous one.

@@ -85,7 +85,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   current_.build(frame.grey, config_.alignment.levels);
   if (interval.rejection == Verdict::first_frame) return initialize(frame, readings);
   const double pyramid_ms = watch.lap_ms();
-  if (interval.standstill_sigma_rad_s) {
+  if (interval.standstill) {
     track_.stand_still(interval, readings, frame.stamp);
     return stand_still(frame);
   }

@@ -131,8 +131,12 @@ NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& rea
   const SensorReadings finite_readings = drop_non_finite(readings);
   const Frame masked = state_->static_overlays.masked(frame);
   if (state_->standstill && (!interval.rejection || interval.rejection == Verdict::first_frame)) {
-    const std::optional<double> sigma_px_s = state_->standstill->update(masked);
-    if (sigma_px_s) interval.standstill_sigma_rad_s = *sigma_px_s / state_->camera.focal_x_px;
+    const std::optional<Standstill> standstill = state_->standstill->update(masked);
+    const double rad_per_px = 1 / state_->camera.focal_x_px;
+    if (standstill) {
+      interval.standstill = StandstillSigma{rad_per_px * standstill->speed_px_s,
+                                            rad_per_px * standstill->displacement_px};
+    }
   }
   NavigationEstimate estimate = std::visit(
       [&](auto& method) { return method.step(masked, interval, finite_readings); }, state_->method);

@@ -218,14 +218,18 @@ void PoseTrack::correct_keyframe(const PlaneAlignment& alignment, const SensorRe
 void PoseTrack::stand_still(const FrameInterval& interval, const SensorReadings& readings,
                             Timestamp now) {
   has_jumped_ = false;
-  const double sigma_rad_s = interval.standstill_sigma_rad_s.value();
+  const StandstillSigma& sigma = interval.standstill.value();
+  const double height_m = filter_.pose().translation.z();
   for_each_filter([&](MotionFilter& filter) {
-    filter.reset_twist(sigma_rad_s * filter_.pose().translation.z(), sigma_rad_s);
+    filter.reset_twist(sigma.rate_rad_s * height_m, sigma.rate_rad_s);
   });
   common_twist_covariance_.setZero();
   since_keyframe_s_ += interval.dt_s;
   unmeasured_s_ = 0;
   coast(readings, now);
+  const double shift_sigma_m = sigma.rotation_rad * height_m;
+  camera_.covariance.diagonal().head<3>().array() += shift_sigma_m * shift_sigma_m;
+  camera_.covariance.diagonal().tail<3>().array() += sigma.rotation_rad * sigma.rotation_rad;
 }
 
 void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {

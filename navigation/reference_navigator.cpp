@@ -60,7 +60,7 @@ NavigationEstimate ReferenceNavigator::step(
   if (interval.rejection == Verdict::first_frame) initial_stamp_ = current_.stamp = frame.stamp;
   if (!has_reference_) return initialize(frame);
   if (interval.rejection && !interval.is_forward_gap) return answer(frame, *interval.rejection);
-  if (interval.standstill_sigma_rad_s) return stand_still(frame, interval, before);
+  if (interval.standstill) return stand_still(frame, interval, before);
   // 2. Associate the reference's features.
   if (try_relocalization(frame, readings, is_consistent_relocalization)) relocalize(frame.stamp);
   const FeatureTracks& tracks = references_.back().association.associate(frame);
@@ -91,8 +91,12 @@ NavigationEstimate ReferenceNavigator::stand_still(const Frame& frame,
   report_.model = before.model;
   current_.stamp = frame.stamp;
   twist_ = Twist{};
-  rate_covariance_ = square(interval.standstill_sigma_rad_s.value()) * Eigen::Matrix3d::Identity();
-  return answer(frame, Verdict::still);
+  rate_covariance_ = square(interval.standstill->rate_rad_s) * Eigen::Matrix3d::Identity();
+  NavigationEstimate out = answer(frame, Verdict::still);
+  const double variance = square(interval.standstill->rotation_rad);
+  out.pose_covariance.diagonal().tail<3>().array() += variance;
+  out.reference->motion.rotation_covariance.diagonal().array() += variance;
+  return out;
 }
 
 ReferenceNavigator::Reference ReferenceNavigator::make_reference() const {

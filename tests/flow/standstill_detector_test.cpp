@@ -7,6 +7,7 @@
 #include <functional>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <vector>
 
 namespace stillkite {
@@ -66,7 +67,8 @@ std::vector<double> speed_sigmas(const std::function<View(int)>& view, double co
     cv::Mat grey = camera_image(scene, view(i), noise_grey, i);
     if (draw) draw(grey, i);
     const Frame frame{from_seconds(i / kFrames_hz), i, grey};
-    out.push_back(detector.update(frame).value_or(NAN));
+    const std::optional<Standstill> standstill = detector.update(frame);
+    out.push_back(standstill ? standstill->speed_px_s : NAN);
   }
   return out;
 }
