@@ -1,5 +1,6 @@
 #include "flow/standstill_detector.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
@@ -249,7 +250,7 @@ std::optional<StandstillDetector::AffineDisplacement> StandstillDetector::affine
       A += weight * jacobians[i].transpose() * jacobians[i];
       b += weight * jacobians[i].transpose() * displacements[i];
     }
-    covariance = A.inverse();
+    covariance = A.ldlt().solve(AffineMatrix::Identity());
     out.motion = covariance * b;
   }
   for (const AffineJacobian& J : jacobians) out.second_moment += J.transpose() * J;

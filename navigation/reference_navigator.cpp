@@ -48,19 +48,18 @@ NavigationEstimate ReferenceNavigator::step(
     const Frame& frame, const FrameInterval& interval, const SensorReadings& readings,
     const RelocalizationCheck& is_consistent_relocalization) {
   StopWatch watch;
-  const ReferenceReport before = report_;
   flow_vectors_.clear();
   bearings_ = {};
   inliers_.clear();
   unit_variance_.reset();
   tracked_px_.clear();
   twist_.reset();
+  if (interval.standstill && has_reference_) return stand_still(frame, interval);
   begin_report(frame.stamp);
   // 1. The first frame is the reference. Frozen and out-of-order frames are not measured.
   if (interval.rejection == Verdict::first_frame) initial_stamp_ = current_.stamp = frame.stamp;
   if (!has_reference_) return initialize(frame);
   if (interval.rejection && !interval.is_forward_gap) return answer(frame, *interval.rejection);
-  if (interval.standstill) return stand_still(frame, interval, before);
   // 2. Associate the reference's features.
   if (try_relocalization(frame, readings, is_consistent_relocalization)) relocalize(frame.stamp);
   const FeatureTracks& tracks = references_.back().association.associate(frame);
@@ -83,12 +82,11 @@ NavigationEstimate ReferenceNavigator::step(
   return out;
 }
 
-// The last motion holds, if it was measured.
+// The last motion holds, if it was accepted.
 NavigationEstimate ReferenceNavigator::stand_still(const Frame& frame,
-                                                   const FrameInterval& interval,
-                                                   const ReferenceReport& before) {
-  if (before.motion.status == EstimateStatus::ok) report_.motion = before.motion;
-  report_.model = before.model;
+                                                   const FrameInterval& interval) {
+  if (report_.motion.status != EstimateStatus::ok) report_.motion = predicted_motion(frame.stamp);
+  report_.new_reference = report_.relocalized = false;
   current_.stamp = frame.stamp;
   twist_ = Twist{};
   rate_covariance_ = square(interval.standstill->rate_rad_s) * Eigen::Matrix3d::Identity();
@@ -169,6 +167,7 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
   report_.inliers = pose.inlier_count;
   report_.residual_px = pose.residual * camera_.focal_x_px;
   if (verdict == Verdict::ok || verdict == Verdict::gated) report_.motion = motion_from_pose(pose);
+  report_.motion.status = status_of(verdict);
   report_.motion.mean_shift_px = mean_shift_px(tracks);
   report_.motion.parallax_rad = parallax_rad(bearings_.pairs, pose);
   flow_vectors_ = feature_flow_vectors(tracks, bearings_, pose);

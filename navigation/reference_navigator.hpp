@@ -62,8 +62,7 @@ class ReferenceNavigator {
   };
 
   NavigationEstimate initialize(const Frame& frame);
-  NavigationEstimate stand_still(const Frame& frame, const FrameInterval& interval,
-                                 const ReferenceReport& before);
+  NavigationEstimate stand_still(const Frame& frame, const FrameInterval& interval);
   [[nodiscard]] RelativePoseEstimate estimate(
       const std::vector<BearingPair>& pairs, const Reference& reference,
       const std::optional<RelativePose>& prior,

@@ -1,6 +1,6 @@
 #include "estimation/ego_motion/gyro_bias.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 
 #include "geometry/rigid_transform.hpp"
 
@@ -45,7 +45,7 @@ void GyroBias::update(const Eigen::Quaterniond& reference_from_camera,
     const Eigen::Matrix3d noise =
         (initial_covariance_ + covariance + noise_variance_ * Eigen::Matrix3d::Identity()) /
         (duration_s_ * duration_s_);
-    const Eigen::Matrix3d gain = covariance_ * (covariance_ + noise).inverse();
+    const Eigen::Matrix3d gain = (covariance_ + noise).ldlt().solve(covariance_).transpose();
     mean_rad_s_ += gain * (measured_rad_s - mean_rad_s_);
     const Eigen::Matrix3d I_K = Eigen::Matrix3d::Identity() - gain;
     covariance_ = I_K * covariance_ * I_K.transpose() + gain * noise * gain.transpose();
