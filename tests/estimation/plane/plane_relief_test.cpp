@@ -83,15 +83,20 @@ TEST(ReliefFilter, UncertaintyIsIncludedAndFalls) {
   EXPECT_LT(filter.ratio(), 0.3 * at_start);
 }
 
-// Coding errors follow the motion; they do not grow with the parallax.
+// Coding errors follow the motion. At a constant parallax they look like relief of 7 % of the
+// height; a larger parallax shows that they are none.
 TEST(ReliefFilter, NoiseAlongTheMotionIsNoRelief) {
   ReliefFilter filter;
-  for (int keyframe = 0; keyframe < 5; ++keyframe) {
-    for (int frame = 1; frame <= 20; ++frame) {
-      filter.update(Tiles(0, 0.2, 20 * keyframe + frame, 0.8).measure(0.2 * frame));
-      EXPECT_TRUE(filter.is_flat()) << keyframe << " " << frame;
-    }
+  for (int frame = 1; frame <= 40; ++frame) {
+    filter.update(Tiles(0, 0.2, frame, 0.8).measure(0.3));
+    EXPECT_TRUE(filter.is_flat()) << frame;
   }
+  EXPECT_GT(filter.ratio(), 0.06);
+  for (int frame = 41; frame <= 60; ++frame) {
+    filter.update(Tiles(0, 0.2, frame, 0.8).measure(1.5));
+    EXPECT_TRUE(filter.is_flat()) << frame;
+  }
+  EXPECT_LT(filter.ratio(), 0.04);
 }
 
 TEST(ReliefFilter, IsFiniteWithoutNoise) {
