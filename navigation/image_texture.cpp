@@ -1,5 +1,6 @@
 #include "navigation/image_texture.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <opencv2/core.hpp>
 
@@ -40,6 +41,11 @@ double textured_ratio(const cv::Mat& grey) {
     }
   }
   return blocks == 0 ? 0.0 : static_cast<double>(textured) / blocks;
+}
+
+const cv::Mat& texture_level(const Pyramid& pyramid) {
+  constexpr int kLevel = 2;
+  return pyramid.level(std::min(kLevel, pyramid.levels() - 1));
 }
 
 }  // namespace stillkite

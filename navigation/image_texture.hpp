@@ -2,6 +2,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "flow/pyramid.hpp"
+
 namespace stillkite {
 
 /// Ratio of textured blocks in an image (CV_8UC1), 0..1; near 0 for black, white, fog, blur and
@@ -13,5 +15,8 @@ namespace stillkite {
   constexpr double kMinTexturedRatio = 0.05;
   return textured_ratio(grey) < kMinTexturedRatio;
 }
+
+/// Pyramid level on which `is_textureless` is tested.
+[[nodiscard]] const cv::Mat& texture_level(const Pyramid& pyramid);
 
 }  // namespace stillkite
