@@ -109,7 +109,7 @@ PlaneAlignment KeyframeNavigator::align_from(const PlaneMotion& initial) {
 }
 
 PlaneAlignment KeyframeNavigator::align_with_velocity(const PlaneMotion& initial,
-                                                      const MotionFilter& velocity) {
+                                                      const MultipleModelFilter& velocity) {
   const PoseEstimate& keyframe = track_.keyframe();
   const double height_m = keyframe.world_from_camera.translation.z();
   const Twist current_twist = velocity.twist_in_camera();

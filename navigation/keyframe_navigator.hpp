@@ -31,7 +31,7 @@ class KeyframeNavigator {
   /// Flow of the tiles since the previous frame; empty if nothing was aligned.
   [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;
 
-  /// True if the last frame's displacement exceeds any plausible acceleration (PoseTrack).
+  /// True if the last frame's displacement is a discontinuity (PoseTrack).
   [[nodiscard]] bool has_jumped() const { return track_.has_jumped(); }
 
   /// Motion since the keyframe as measured in the last frame, unfiltered. It is linearized at a
@@ -51,7 +51,7 @@ class KeyframeNavigator {
   [[nodiscard]] PlaneAlignment align_from(const PlaneMotion& initial);
   [[nodiscard]] bool is_speed_initializing() const;
   [[nodiscard]] PlaneAlignment align_with_velocity(const PlaneMotion& initial,
-                                                   const MotionFilter& velocity);
+                                                   const MultipleModelFilter& velocity);
   [[nodiscard]] KeyframeView make_view(const PlaneAlignment& alignment,
                                        const std::optional<Eigen::Vector3d>& normal);
   void store_tile_positions(const FrameInterval& interval);

@@ -18,7 +18,7 @@ Eigen::Vector2d centre_px(const Camera& camera) {
 
 }  // namespace
 
-double prediction_sigma_px(const Camera& camera, const MotionFilter& filter) {
+double prediction_sigma_px(const Camera& camera, const MultipleModelFilter& filter) {
   // X = (0, 0, depth) moves by X x w - p for pose errors p, w in camera axes
   const double inverse_depth_1_m =
       std::max(0.0, inverse_depth(ground_plane_in_camera(filter.pose()), {0, 0}));

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "estimation/ego_motion/motion_filter.hpp"
+#include "estimation/ego_motion/multiple_model_filter.hpp"
 #include "estimation/ego_motion/plane_motion.hpp"
 #include "flow/image_registration.hpp"
 #include "geometry/camera.hpp"
@@ -11,7 +11,7 @@ namespace stillkite {
 
 /// Standard deviation, px, of the predicted image position of the point on the optical axis: the
 /// convergence range that an alignment from this prediction needs.
-[[nodiscard]] double prediction_sigma_px(const Camera& camera, const MotionFilter& filter);
+[[nodiscard]] double prediction_sigma_px(const Camera& camera, const MultipleModelFilter& filter);
 
 /// Virtual nadir view of the ground, within a maximum tilt of the camera: in it, a translation
 /// parallel to the ground shifts the image as a whole. Lens distortion is neglected.

@@ -38,7 +38,7 @@ void PoseTrack::predict(double dt_s, const SensorReadings& readings) {
   const double max_gap_s = config_.trust.max_gap_s;
   const double predicted_s = std::clamp(max_gap_s - unmeasured_s_, 0.0, dt_s);
   const auto predict_filters = [&](double by_s) {
-    for_each_filter([&](MotionFilter& filter) { filter.predict(by_s); });
+    for_each_filter([&](MultipleModelFilter& filter) { filter.predict(by_s); });
   };
   if (predicted_s > 0) predict_filters(predicted_s);
   if (predicted_s < dt_s) {
@@ -69,7 +69,7 @@ void PoseTrack::update_rate(const Eigen::Vector3d& mean_rate_in_body_rad_s, doub
   gyro_bias_.integrate(rate, dt_s, sigma);
   const Eigen::Matrix3d covariance =
       sigma * sigma * Eigen::Matrix3d::Identity() + gyro_bias_.covariance();
-  for_each_filter([&](MotionFilter& filter) {
+  for_each_filter([&](MultipleModelFilter& filter) {
     filter.update_rate(rate - gyro_bias_.mean_rad_s(), covariance);
   });
   if (dead_reckoning_) gyro_only_s_ += dt_s;
@@ -89,7 +89,7 @@ void PoseTrack::reset_twist() {
   const Twist twist = filter_.twist_in_camera();
   const double min_height_m = kMinHeightRatio * keyframe_.pose.world_from_camera.translation.z();
   const double height_correction_m = std::max(0.0, min_height_m - filter_.pose().translation.z());
-  for_each_filter([&](MotionFilter& filter) {
+  for_each_filter([&](MultipleModelFilter& filter) {
     filter.transform_world({Eigen::Quaterniond::Identity(), {0, 0, height_correction_m}});
     filter.reset_twist(
         twist.velocity_m_s.norm() + std::sqrt(covariance.diagonal().head<3>().maxCoeff()),
@@ -97,14 +97,14 @@ void PoseTrack::reset_twist() {
   });
 }
 
-MotionFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
-  MotionFilter updated = filter_;
+MultipleModelFilter PoseTrack::filter_after(const PlaneAlignment& alignment) const {
+  MultipleModelFilter updated = filter_;
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
   update_filter(updated, chained, chained.relative_covariance, alignment);
   return updated;
 }
 
-void PoseTrack::update_filter(MotionFilter& filter, const ChainedPose& chained,
+void PoseTrack::update_filter(MultipleModelFilter& filter, const ChainedPose& chained,
                               const Matrix6d& covariance, const PlaneAlignment& alignment) const {
   const RigidTransform& world_from_keyframe = keyframe_.pose.world_from_camera;
   Twist assumed = Twist::from_vector(alignment.shutter.current_twist);
@@ -134,15 +134,16 @@ void PoseTrack::update(const PlaneAlignment& alignment, const SensorReadings& re
   const ChainedPose chained = chain(keyframe_.pose, alignment, config_.levelling);
   const Vector6d by_stamp = stamp_sigma_s * measured_rate(chained);
   const Matrix6d covariance = chained.relative_covariance + by_stamp * by_stamp.transpose();
-  const double jump_m = position_jump_m(chained, stamp_sigma_s);
-  has_jumped_ = jump_m > 0;
+  has_jumped_ = is_discontinuity(chained, stamp_sigma_s);
   if (has_jumped_) {  // the images measure the position, not the velocity
     twist_before_jump_ = filter_.twist_in_camera();
-    filter_.inflate_position_covariance(jump_m);
+    filter_.inflate_position_covariance(twist_before_jump_.velocity_m_s.norm() *
+                                        config_.trust.max_gap_s);
     reset_twist();
   }
   update_filter(filter_, chained, covariance, alignment);
   camera_ = chained.camera;
+  camera_.covariance += (filter_.noise_variance_ratio() - 1) * chained.relative_covariance;
   levelled_from_filter_ = chained.keyframe.world_from_camera * world_from_keyframe.inverse();
   covariance_offset_ = camera_.covariance - filter_.pose_covariance();
   dead_reckoning_.reset();
@@ -167,23 +168,21 @@ Matrix6d PoseTrack::common_twist_covariance(const ChainedPose& chained) const {
   return J * chained.common_covariance * J.transpose();
 }
 
-// Position innovation if it exceeds the maximum acceleration and five sigma, else 0. The error by
-// the stamp is that of the predicted velocity: the measured one would contain the jump.
-double PoseTrack::position_jump_m(const ChainedPose& chained, double stamp_sigma_s) const {
-  constexpr double kMaxAcceleration_m_s2 = 50;
-  constexpr double kSigmas = 5;
-  if (keyframe_.scale == ScaleSource::none) return 0;
-  const RigidTransform measured = keyframe_.pose.world_from_camera * chained.keyframe_from_camera;
-  const double innovation_m = (measured.translation - filter_.pose().translation).norm();
-  const double max_speed_m_s =
-      filter_.twist_in_camera().velocity_m_s.norm() + kMaxAcceleration_m_s2 * unmeasured_s_;
-  const double by_stamp_m = stamp_sigma_s * max_speed_m_s;
-  const double variance_m2 =
-      (filter_.pose_covariance() + chained.relative_covariance).topLeftCorner<3, 3>().trace() +
-      by_stamp_m * by_stamp_m;
-  const double max_innovation_m = std::max(kMaxAcceleration_m_s2 * unmeasured_s_ * unmeasured_s_,
-                                           kSigmas * std::sqrt(variance_m2));
-  return innovation_m > max_innovation_m ? innovation_m : 0;
+// Images are missing or were repeated without a trace in the stamps: the position is off by up to
+// the former velocity over `trust.max_gap_s`. Expected once an hour. The error by the stamp is that
+// of the predicted velocity: the measured one would contain the discontinuity.
+bool PoseTrack::is_discontinuity(const ChainedPose& chained, double stamp_sigma_s) const {
+  constexpr double kMeanInterval_s = 3600;
+  const Eigen::Vector3d position =
+      (keyframe_.pose.world_from_camera * chained.keyframe_from_camera).translation;
+  const double speed_m_s = filter_.twist_in_camera().velocity_m_s.norm();
+  const double by_stamp_m = stamp_sigma_s * speed_m_s;
+  Eigen::Matrix3d covariance = chained.relative_covariance.topLeftCorner<3, 3>();
+  covariance.diagonal().array() += by_stamp_m * by_stamp_m;
+  const double discontinuous =
+      filter_.position_log_likelihood(position, covariance, speed_m_s * config_.trust.max_gap_s);
+  return discontinuous + std::log(unmeasured_s_ / kMeanInterval_s) >
+         filter_.position_log_likelihood(position, covariance, 0);
 }
 
 // The alignment's height ratio and rotation transfer a reading at this frame to the keyframe.
@@ -220,7 +219,7 @@ void PoseTrack::stand_still(const FrameInterval& interval, const SensorReadings&
   has_jumped_ = false;
   const StandstillSigma& sigma = interval.standstill.value();
   const double height_m = filter_.pose().translation.z();
-  for_each_filter([&](MotionFilter& filter) {
+  for_each_filter([&](MultipleModelFilter& filter) {
     filter.reset_twist(sigma.rate_rad_s * height_m, sigma.rate_rad_s);
   });
   common_twist_covariance_.setZero();
@@ -260,7 +259,7 @@ void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
 void PoseTrack::take_keyframe() {
   // move the filter to the levelled world
   const RigidTransform levelled = camera_.world_from_camera * filter_.pose().inverse();
-  for_each_filter([&](MotionFilter& filter) { filter.transform_world(levelled); });
+  for_each_filter([&](MultipleModelFilter& filter) { filter.transform_world(levelled); });
   keyframe_.pose = camera_;
   keyframe_twist_ = filter_.twist_in_camera();
   levelled_from_filter_ = {};

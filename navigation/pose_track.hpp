@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "estimation/ego_motion/gyro_bias.hpp"
-#include "estimation/ego_motion/motion_filter.hpp"
+#include "estimation/ego_motion/multiple_model_filter.hpp"
 #include "estimation/plane/keyframe_pose.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/navigator_config.hpp"
@@ -53,16 +53,16 @@ class PoseTrack {
   [[nodiscard]] const PoseEstimate& keyframe() const { return keyframe_.pose; }
   [[nodiscard]] const Twist& keyframe_twist() const { return keyframe_twist_; }
   /// Filter in the keyframe's world, before levelling.
-  [[nodiscard]] const MotionFilter& filter() const { return filter_; }
+  [[nodiscard]] const MultipleModelFilter& filter() const { return filter_; }
   /// Filter updated by this alignment, without changing the track.
-  [[nodiscard]] MotionFilter filter_after(const PlaneAlignment& alignment) const;
+  [[nodiscard]] MultipleModelFilter filter_after(const PlaneAlignment& alignment) const;
   [[nodiscard]] const PoseEstimate& camera() const { return camera_; }
   /// Mean twist over the last interval.
   [[nodiscard]] TwistEstimate twist() const;
   /// Camera pose at the first frame, rescaled with the world by the first height.
   [[nodiscard]] const RigidTransform& world_from_initial() const { return world_from_initial_; }
-  /// True if the last frame's displacement exceeds any plausible acceleration: images are missing
-  /// or were repeated without a trace in the stamps. The velocity is then unknown.
+  /// True if the last frame's displacement is explained by missing or repeated images without a
+  /// trace in the stamps. The velocity is then unknown.
   [[nodiscard]] bool has_jumped() const { return has_jumped_; }
   [[nodiscard]] ScaleSource scale() const { return keyframe_.scale; }
   [[nodiscard]] Timestamp scale_stamp() const { return keyframe_.scale_stamp; }
@@ -72,19 +72,19 @@ class PoseTrack {
                         Timestamp now);
   [[nodiscard]] Vector6d measured_rate(const ChainedPose& chained) const;
   [[nodiscard]] Matrix6d common_twist_covariance(const ChainedPose& chained) const;
-  [[nodiscard]] double position_jump_m(const ChainedPose& chained, double stamp_sigma_s) const;
+  [[nodiscard]] bool is_discontinuity(const ChainedPose& chained, double stamp_sigma_s) const;
   void reset_twist();
   void for_each_filter(auto&& apply);
   void update_rate(const Eigen::Vector3d& mean_rate_in_body_rad_s, double dt_s);
   void update_gyro_bias(const ChainedPose& chained);
-  void update_filter(MotionFilter& filter, const ChainedPose& chained, const Matrix6d& covariance,
-                     const PlaneAlignment& alignment) const;
+  void update_filter(MultipleModelFilter& filter, const ChainedPose& chained,
+                     const Matrix6d& covariance, const PlaneAlignment& alignment) const;
 
   RigidTransform body_from_camera_;
   NavigatorConfig config_;
   ScaledPose keyframe_;
   Twist keyframe_twist_;
-  MotionFilter filter_;
+  MultipleModelFilter filter_;
   GyroBias gyro_bias_;
   PoseEstimate camera_;
   RigidTransform world_from_initial_;
@@ -94,7 +94,7 @@ class PoseTrack {
   Twist twist_before_jump_;
   /// Filter since the last measurement: its position keeps the correlation with the velocity
   /// through keyframes taken meanwhile. `dead_reckoning_offset_`: as `covariance_offset_`.
-  std::optional<MotionFilter> dead_reckoning_;
+  std::optional<MultipleModelFilter> dead_reckoning_;
   Matrix6d dead_reckoning_offset_ = Matrix6d::Zero();
   double gyro_only_s_ = 0;  ///< of that, with a gyroscope
   double since_keyframe_s_ = 0;

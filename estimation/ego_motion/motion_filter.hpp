@@ -12,12 +12,24 @@ namespace stillkite {
 /// 2001, section 6.2). Measurements: poses with white errors and full covariance (keyframe
 /// alignment).
 ///
-/// State and error order: pose (translation, rotation vector in world), velocity in world, angular
-/// rate in camera. The full covariance is needed: image errors of velocity and angular rate are
-/// correlated at about -0.98.
+/// The full covariance is needed: image errors of velocity and angular rate are correlated at about
+/// -0.98.
 class MotionFilter {
  public:
+  /// Covariance order: pose (translation, rotation vector in world), velocity in world, angular
+  /// rate in camera.
+  struct State {
+    RigidTransform pose;
+    Eigen::Vector3d velocity_in_world = Eigen::Vector3d::Zero();
+    Eigen::Vector3d rate_in_camera = Eigen::Vector3d::Zero();
+    Eigen::Matrix<double, 12, 12> covariance = Eigen::Matrix<double, 12, 12>::Zero();
+  };
+
   explicit MotionFilter(const MotionFilterConfig& config);
+
+  [[nodiscard]] const State& state() const { return state_; }
+  /// Replaces the state before a prediction (interacting models).
+  void set_state(const State& state) { state_ = state; }
 
   /// Initial state: `pose` without error, zero twist with the given standard deviations.
   void initialize(const RigidTransform& pose, double velocity_sigma_m_s, double rate_sigma_rad_s);
@@ -25,9 +37,10 @@ class MotionFilter {
   void predict(double dt_s);
   void update(const RigidTransform& measured_pose, const Matrix6d& covariance);
   /// Update by a pose measured under an assumed twist (rolling shutter). `pose_by_twist`:
-  /// derivative of the measured pose with respect to the twist in camera.
-  void update(const RigidTransform& measured_pose, const Matrix6d& covariance,
-              const Twist& assumed_twist, const Matrix6d& pose_by_twist);
+  /// derivative of the measured pose with respect to the twist in camera. Returns the
+  /// log-likelihood of the measured position given the measured rotation, without its constant.
+  double update(const RigidTransform& measured_pose, const Matrix6d& covariance,
+                const Twist& assumed_twist, const Matrix6d& pose_by_twist);
 
   /// Update by a gyro measurement in camera axes.
   void update_rate(const Eigen::Vector3d& measured_rate_rad_s, const Eigen::Matrix3d& covariance);
@@ -37,7 +50,7 @@ class MotionFilter {
 
   /// Adds `sigma_m`^2 to the position variance of each axis.
   void inflate_position_covariance(double sigma_m) {
-    P_.diagonal().head<3>().array() += sigma_m * sigma_m;
+    state_.covariance.diagonal().head<3>().array() += sigma_m * sigma_m;
   }
 
   /// Resets the twist to zero with the given standard deviations; keeps the pose covariance.
@@ -49,7 +62,7 @@ class MotionFilter {
   /// Scales positions, about the world origin, and velocities by `factor`.
   void rescale_world(double factor);
 
-  [[nodiscard]] const RigidTransform& pose() const { return pose_; }
+  [[nodiscard]] const RigidTransform& pose() const { return state_.pose; }
   /// Twist at the current time (updated or predicted).
   [[nodiscard]] Twist twist_in_camera() const;
   /// Covariance of (velocity, angular rate), both in camera.
@@ -59,28 +72,25 @@ class MotionFilter {
   /// `twist_in_camera()`.
   [[nodiscard]] Twist mean_twist_in_camera() const;
   [[nodiscard]] Matrix6d mean_twist_covariance() const;
-  [[nodiscard]] Matrix6d pose_covariance() const { return P_.topLeftCorner<6, 6>(); }
+  [[nodiscard]] Matrix6d pose_covariance() const { return state_.covariance.topLeftCorner<6, 6>(); }
 
  private:
   using Matrix12d = Eigen::Matrix<double, 12, 12>;
   using Vector12d = Eigen::Matrix<double, 12, 1>;
   using PoseWithState = Eigen::Matrix<double, 6, 12>;
 
-  // Kalman update: innovation = H error + noise.
+  // Kalman update: innovation = H error + noise. Returns the innovation covariance.
   template <int kRows>
-  void correct(const Eigen::Matrix<double, kRows, 12>& H,
-               const Eigen::Matrix<double, kRows, 1>& innovation,
-               const Eigen::Matrix<double, kRows, kRows>& covariance);
+  Eigen::Matrix<double, kRows, kRows> correct(
+      const Eigen::Matrix<double, kRows, 12>& H, const Eigen::Matrix<double, kRows, 1>& innovation,
+      const Eigen::Matrix<double, kRows, kRows>& covariance);
   // P <- J P J^T.
   void transform_errors(const Matrix12d& J);
   // Covariance of the motion over the last interval, (translation, rotation vector) in world.
   [[nodiscard]] Matrix6d relative_pose_covariance() const;
 
   MotionFilterConfig config_;
-  RigidTransform pose_;
-  Eigen::Vector3d velocity_in_world_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d rate_in_camera_ = Eigen::Vector3d::Zero();
-  Matrix12d P_ = Matrix12d::Zero();
+  State state_;
 
   // pose of the previous frame, fixed-lag smoothed by the last measurement
   RigidTransform previous_pose_;

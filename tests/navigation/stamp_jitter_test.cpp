@@ -45,7 +45,8 @@ double share_beyond_3_sigma(Mode mode, double stated_sigma_s) {
 
 TEST(StampJitter, IsInTheVelocityCovarianceOfTheFlow) {
   EXPECT_LT(share_beyond_3_sigma(Mode::recommended, kJitter_s), 0.05);
-  EXPECT_GT(share_beyond_3_sigma(Mode::recommended, 0), 0.2);
+  // the innovations show a part of it
+  EXPECT_GT(share_beyond_3_sigma(Mode::recommended, 0), 0.1);
 }
 
 TEST(StampJitter, IsInTheVelocityCovarianceOfThePaperMode) {
