@@ -4,7 +4,7 @@
 #include "navigation/navigator_config.hpp"
 #include "navigation/sensor_readings.hpp"
 
-// What the fusion's parts are told, from what the navigator is.
+// Configurations and initial values of the fused estimator's parts from the navigator's.
 
 namespace stillkite {
 
