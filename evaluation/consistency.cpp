@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "evaluation/chi_square.hpp"
+#include "geometry/chi_square.hpp"
 #include "geometry/median.hpp"
 
 namespace stillkite {

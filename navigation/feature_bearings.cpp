@@ -5,6 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "geometry/chi_square.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -77,7 +79,6 @@ std::vector<std::size_t> select_spread_pairs(const std::vector<BearingPair>& pai
 std::optional<double> unit_variance(const FeatureBearings& bearings,
                                     const RelativePoseEstimate& estimate) {
   constexpr std::size_t kMinPairs = 20;
-  constexpr double kMedian = 0.4549;       // of chi-square with one degree of freedom
   constexpr double kMaxSquaredError = 16;  // four sigma
   const RelativePose& pose = estimate.epipolar;
   if (pose.direction.isZero()) return std::nullopt;
@@ -104,7 +105,7 @@ std::optional<double> unit_variance(const FeatureBearings& bearings,
   }
   double sum = 0, weights = 0;
   for (const LineDistance& distance : distances) {
-    if (distance.squared > kMaxSquaredError * median->squared / kMedian) break;
+    if (distance.squared > kMaxSquaredError * median->squared / kChiSquareMedian1) break;
     sum += distance.information * distance.squared;
     weights += distance.information;
   }

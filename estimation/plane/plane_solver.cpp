@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/chi_square.hpp"
 #include "geometry/median.hpp"
 
 namespace stillkite {
@@ -15,7 +16,7 @@ using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1>;
 
 // Median of chi-square with two degrees of freedom, 2 ln 2.
-constexpr double kMedianChi2 = 1.3862943611198906;
+constexpr double kMedianChi2 = kChiSquareMedian2;
 constexpr std::size_t kMedianSampleSize = 512;
 constexpr std::size_t kMinTiles = 8;
 

@@ -5,6 +5,7 @@
 
 #include "estimation/two_view/transfer_error.hpp"
 #include "geometry/angle.hpp"
+#include "geometry/chi_square.hpp"
 #include "geometry/rigid_transform.hpp"
 
 namespace stillkite {
@@ -14,9 +15,6 @@ namespace {
 constexpr double kTruncation = 6;
 constexpr double kTruncatedMean = 1.9004259;
 constexpr double kTruncatedSigma = 1.672;
-// Chi-square with three and five degrees of freedom, quantile 1 - 3e-7 (five sigma).
-constexpr double kChiSquare3Limit = 33;
-constexpr double kChiSquare5Limit = 38;
 
 double truncated_mean(const BearingColumns& inliers, const Eigen::Matrix3d& H, double sigma) {
   double sum = 0;
@@ -129,11 +127,11 @@ ViewModel simplest_model(const ModelEvidence& e) {
   const auto is_significant = [&](double larger, double smaller, double chance) {
     return e.pairs * (smaller - larger) > chance + e.pairs * e.floor;
   };
-  if (is_accepted(e.still) && !is_significant(e.rotation, e.still, kChiSquare3Limit) &&
-      !is_significant(e.plane, e.still, kChiSquare3Limit + kChiSquare5Limit)) {
+  if (is_accepted(e.still) && !is_significant(e.rotation, e.still, kChiSquareFiveSigma3) &&
+      !is_significant(e.plane, e.still, kChiSquareFiveSigma3 + kChiSquareFiveSigma5)) {
     return ViewModel::still;
   }
-  if (is_accepted(e.rotation) && !is_significant(e.plane, e.rotation, kChiSquare5Limit)) {
+  if (is_accepted(e.rotation) && !is_significant(e.plane, e.rotation, kChiSquareFiveSigma5)) {
     return ViewModel::rotation_only;
   }
   return is_accepted(e.plane) ? ViewModel::plane : ViewModel::general;

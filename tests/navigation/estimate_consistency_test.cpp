@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "evaluation/chi_square.hpp"
+#include "geometry/chi_square.hpp"
 #include "simulation/random.hpp"
 #include "simulation/scene/procedural_ground.hpp"
 #include "tests/navigation/estimate_error.hpp"

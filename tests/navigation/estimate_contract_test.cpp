@@ -6,8 +6,8 @@
 #include <functional>
 #include <opencv2/core.hpp>
 
-#include "evaluation/chi_square.hpp"
 #include "geometry/angle.hpp"
+#include "geometry/chi_square.hpp"
 #include "tests/navigation/estimate_error.hpp"
 #include "tests/navigation/prescribed_flight.hpp"
 

@@ -1,4 +1,4 @@
-#include "evaluation/chi_square.hpp"
+#include "geometry/chi_square.hpp"
 
 #include <cassert>
 #include <cmath>
