@@ -2,7 +2,7 @@
 # and a package that find_package(stillkite) finds: target stillkite::stillkite.
 include(CMakePackageConfigHelpers)
 
-# What stillkite/stillkite.hpp includes; the tests InstallList compare.
+# Headers that stillkite/stillkite.hpp includes; the tests InstallList compare the list.
 set(STILLKITE_INCLUDED_HEADERS
   estimation/ego_motion/kalman_filter_config.hpp
   estimation/ego_motion/least_squares_config.hpp

@@ -22,8 +22,8 @@ function(stillkite_compile_options TARGET)
   target_compile_options(${TARGET} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                            -Wno-sign-conversion -Wno-missing-field-initializers)
   if(STILLKITE_SANITIZE)
-    # what a stray pointer does, the address sanitizer sees; checking it twice at each of Eigen's
-    # accesses costs half of the compile time
+    # the address sanitizer finds invalid pointers; checking them again at each of Eigen's accesses
+    # costs half of the compile time
     target_compile_options(${TARGET} PUBLIC -fsanitize=address,undefined -fno-sanitize-recover=all
                                             -fno-sanitize=null,alignment,object-size
                                             -fno-omit-frame-pointer)

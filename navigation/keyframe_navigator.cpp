@@ -120,7 +120,7 @@ NavigationEstimate KeyframeNavigator::initialize(const Frame& frame,
   return out;
 }
 
-// What a new mask hides is no relief.
+// Resets the relief filter when the mask changes.
 void KeyframeNavigator::set_mask(const std::shared_ptr<const ImageMask>& mask) {
   if (mask != mask_) relief_ = {};
   mask_ = mask;

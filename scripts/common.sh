@@ -3,9 +3,9 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# What ccache keeps does not hang on the folder: another clone of the same sources compiles nothing.
+# ccache entries are independent of the source folder: a second clone compiles nothing.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
-# as ccache asks for precompiled headers
+# required by ccache for precompiled headers
 export CCACHE_SLOPPINESS=pch_defines,time_macros
 
 say() { echo "== $*"; }

@@ -18,8 +18,8 @@ struct LogConfig {
     field("path", self.path,
           "CSV, time stamp in the first column; without it the sensor is not used");
     field("time_offset_s", self.time_offset_s, kTimeOffset_s,
-          "added to the log's stamps, so that they are on the clock of the images; default: of an "
-          "IMU or gyroscope the negative timeshift_cam_imu of the calibration, else 0");
+          "added to the log's stamps, so that they are on the clock of the images; default: minus "
+          "timeshift_cam_imu of the calibration for imu and gyro, else 0");
   }
 };
 
