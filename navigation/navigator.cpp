@@ -126,10 +126,14 @@ Estimate Navigator::step(const ImageView& image, Timestamp stamp, const SensorRe
 // The estimation steps are in the method's `step`: KeyframeNavigator, PaperNavigator,
 // ReferenceNavigator, BestNavigator or FusedNavigator.
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
+  // 1. Check size and type of the image.
   check_image(frame, state_->camera);
+  // 2. Check the interval (first frame, time gap, frozen image); remove non-finite readings.
   FrameInterval interval = state_->clock.check(frame);
   const SensorReadings finite_readings = drop_non_finite(readings);
+  // 3. Mask static overlays and airframe in view.
   const Frame masked = state_->static_overlays.masked(frame);
+  // 4. Detect rest of the camera.
   if (state_->standstill && (!interval.rejection || interval.rejection == Verdict::first_frame)) {
     const std::optional<Standstill> standstill = state_->standstill->update(masked);
     const double rad_per_px = 1 / state_->camera.focal_x_px;
@@ -138,6 +142,7 @@ NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& rea
                                             rad_per_px * standstill->displacement_px};
     }
   }
+  // 5. Estimate the motion by the policy's method; its image displacement updates the overlays.
   NavigationEstimate estimate = std::visit(
       [&](auto& method) { return method.step(masked, interval, finite_readings); }, state_->method);
   if (masked.mask) estimate.masked_ratio = masked.mask->masked_ratio();
