@@ -18,6 +18,13 @@ struct ConfigArguments {
   std::vector<std::string> overrides;
 };
 
+// Reads no inputs: assumes that a range finder has a reading at the first frame.
+ScaleSource initial_scale(const RunConfig& config) {
+  const bool has_height = config.initial.from_truth || config.initial.height_m ||
+                          config.height.source == HeightSource::range;
+  return has_height ? ScaleSource::initial_height : ScaleSource::none;
+}
+
 }  // namespace
 
 void add_config(CLI::App& app) {
@@ -29,9 +36,8 @@ void add_config(CLI::App& app) {
   command->footer("The output is a valid configuration: stillkite config > my.yaml");
   command->callback([arguments] {
     RunConfig config = load_run_config(arguments->config, arguments->overrides);
-    // the scale is known to a run only: it may depend on the first reading of a range finder
     config.navigator =
-        effective_config(config.navigator, config.estimator.policy, ScaleSource::initial_height);
+        effective_config(config.navigator, config.estimator.policy, initial_scale(config));
     fmt::print("{}", print_config(config));
   });
 }

@@ -7,7 +7,9 @@ namespace stillkite {
 NavigatorConfig effective_config(NavigatorConfig config, Policy policy, ScaleSource initial_scale) {
   if (policy != Policy::fused) return config;
   FusionConfig& fusion = config.fusion;
-  fusion.renew_below_ratio = std::max(fusion.renew_below_ratio, config.reference.renew_below_ratio);
+  double& reference_ratio = config.reference.renew_below_ratio;
+  reference_ratio = std::max(fusion.renew_below_ratio, reference_ratio);
+  fusion.renew_below_ratio = reference_ratio;
   if (initial_scale != ScaleSource::none) return config;
   // Without a height prior the scale converges from the IMU alone, and not from depths as uncertain
   // as the default. Relinearized about an unknown height the covariance is optimistic.

@@ -40,7 +40,7 @@ FusedNavigator::FusedNavigator(const Camera& camera, const RigidTransform& body_
       sensors_(config.sensors),
       scale_(initial.scale == ScaleSource::none ? ScaleSource::imu : initial.scale),
       flow_(camera, body_from_camera, config, initial),
-      reference_(camera, body_from_camera, reference_config(config), initial, Mode::recommended),
+      reference_(camera, body_from_camera, config, initial, Mode::recommended),
       flow_from_camera_(initial.world_from_body * body_from_camera),
       flow_scale_(initial.scale),
       landmarks_(config_, camera.focal_x_px),

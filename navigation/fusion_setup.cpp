@@ -18,11 +18,6 @@ FusionConfig checked_fusion_config(const NavigatorConfig& navigator) {
                                config.min_landmarks, config.landmarks));
 }
 
-NavigatorConfig reference_config(NavigatorConfig config) {
-  config.reference.renew_below_ratio = config.fusion.renew_below_ratio;
-  return config;
-}
-
 FusionStart fusion_start(const InitialState& initial, const RigidTransform& body_from_camera,
                          double tilt_sigma_rad) {
   constexpr double kAnyHeight_log = 1.5;  // a factor of 4.5

@@ -11,9 +11,6 @@ namespace stillkite {
 /// Throws InputError where features cannot be followed, or too many landmarks are asked for.
 [[nodiscard]] FusionConfig checked_fusion_config(const NavigatorConfig& navigator);
 
-/// Of the reference estimator: fusion.renew_below_ratio replaces reference.renew_below_ratio.
-[[nodiscard]] NavigatorConfig reference_config(NavigatorConfig config);
-
 /// The camera, at any speed; without a height in a unit of which next to nothing is known.
 [[nodiscard]] FusionStart fusion_start(const InitialState& initial,
                                        const RigidTransform& body_from_camera,

@@ -50,7 +50,7 @@ struct ReferenceConfig {
           "minimum number of associated features; below it the frame becomes the reference");
     field("renew_below_ratio", self.renew_below_ratio, Range{0, 0.9},
           "minimum ratio of associated features to the maximum for this reference; policy fused: "
-          "fusion.renew_below_ratio");
+          "at least fusion.renew_below_ratio");
     field("patience_frames", self.patience_frames, kNonNegative,
           "consecutive unmeasured frames with too few features before the reference is replaced");
     field("relocalize_every_frames", self.relocalize_every_frames, kNonNegative,

@@ -13,19 +13,14 @@ NavigatorConfig fused_config(double reference_ratio, double fusion_ratio) {
 }
 
 TEST(EffectiveConfig, FusedRenewsTheReferenceAtTheLargerRatio) {
-  const auto ratio = [](double of_reference, double of_fusion) {
-    return effective_config(fused_config(of_reference, of_fusion), Policy::fused,
-                            ScaleSource::initial_height)
-        .fusion.renew_below_ratio;
+  const auto expect_ratio = [](const NavigatorConfig& given, double ratio) {
+    const NavigatorConfig config =
+        effective_config(given, Policy::fused, ScaleSource::initial_height);
+    EXPECT_EQ(config.fusion.renew_below_ratio, ratio);
+    EXPECT_EQ(config.reference.renew_below_ratio, ratio);
   };
-  EXPECT_EQ(ratio(0, 0.3), 0.3);
-  EXPECT_EQ(ratio(0.5, 0.3), 0.5);
-}
-
-TEST(EffectiveConfig, KeepsTheReferenceKeysOfOtherPolicies) {
-  const NavigatorConfig config =
-      effective_config(fused_config(0.1, 0.3), Policy::fused, ScaleSource::none);
-  EXPECT_EQ(config.reference.renew_below_ratio, 0.1);
+  expect_ratio(fused_config(0, 0.3), 0.3);
+  expect_ratio(fused_config(0.5, 0.3), 0.5);
 }
 
 TEST(EffectiveConfig, WithoutAScaleFusedCannotRelinearizeNorWidenDepths) {
@@ -46,8 +41,10 @@ TEST(EffectiveConfig, KeepsStricterKeysWithoutAScale) {
 
 TEST(EffectiveConfig, ChangesNothingForOtherPolicies) {
   for (const Policy policy : {Policy::flow, Policy::reference, Policy::best}) {
-    const FusionConfig fusion =
-        effective_config(fused_config(0.5, 0.3), policy, ScaleSource::none).fusion;
+    const NavigatorConfig config =
+        effective_config(fused_config(0.1, 0.3), policy, ScaleSource::none);
+    EXPECT_EQ(config.reference.renew_below_ratio, 0.1);
+    const FusionConfig& fusion = config.fusion;
     EXPECT_EQ(fusion.renew_below_ratio, 0.3);
     EXPECT_EQ(fusion.depth_correlated_frames, FusionConfig{}.depth_correlated_frames);
     EXPECT_EQ(fusion.inverse_depth_sigma_ratio, FusionConfig{}.inverse_depth_sigma_ratio);
