@@ -12,7 +12,6 @@
 
 #include "app/commands.hpp"
 #include "app/comparison_results.hpp"
-#include "app/comparison_table.hpp"
 #include "app/estimator_run.hpp"
 #include "app/interrupt.hpp"
 #include "app/options.hpp"

@@ -42,4 +42,8 @@ struct ComparisonFacts {
 /// Verdict token of a mean error difference.
 [[nodiscard]] std::string_view difference_verdict(const MeanInterval& difference);
 
+/// Text table of the main figures of comparison.json, one column per estimator. Errors are marked
+/// if they differ significantly from the first estimator's.
+[[nodiscard]] std::string comparison_table(const nlohmann::json& comparison);
+
 }  // namespace stillkite

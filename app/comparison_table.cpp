@@ -1,5 +1,3 @@
-#include "app/comparison_table.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "app/comparison_results.hpp"
 #include "geometry/angle.hpp"
 
 namespace stillkite {

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "app/commands.hpp"
-#include "app/evaluation_json.hpp"
 #include "app/run_evaluation.hpp"
 #include "evaluation/evaluation.hpp"
 #include "geometry/angle.hpp"

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "evaluation/evaluation.hpp"
 #include "evaluation/frame_error.hpp"
 #include "io/dataset/flight_inputs.hpp"
 
@@ -21,7 +22,10 @@ inline constexpr int kMinEvaluatedFrames = 3;
 [[nodiscard]] std::int64_t frames_with_truth(const FlightInputs& inputs,
                                              std::span<const EvaluatedMotion> motions);
 
-/// `evaluation` of summary.json: errors against the truth without alignment; null with fewer than
+/// `evaluation` of summary.json; unavailable figures are null.
+[[nodiscard]] nlohmann::json evaluation_json(const Evaluation& evaluation);
+
+/// The same for a run: errors against the truth without alignment; null with fewer than
 /// kMinEvaluatedFrames frames with truth.
 [[nodiscard]] nlohmann::json run_evaluation(const FlightInputs& inputs, const TruthConfig& config,
                                             std::span<const EvaluatedMotion> motions,

@@ -25,8 +25,7 @@
 #include "simulation/random.hpp"
 #include "simulation/render/develop.hpp"
 #include "simulation/render/patch_renderer.hpp"
-#include "simulation/scene/coast_scene.hpp"
-#include "simulation/scene/room_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 namespace {
 

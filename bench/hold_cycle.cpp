@@ -15,7 +15,7 @@
 #include "bench/hold_methods.hpp"
 #include "bench/hover_imu.hpp"
 #include "simulation/random.hpp"
-#include "simulation/scene/room_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 namespace stillkite::bench {
 namespace {

@@ -9,10 +9,8 @@
 #include "simulation/flight/flight_streams.hpp"
 #include "simulation/flight/shadow_path.hpp"
 #include "simulation/flight/vehicle_path.hpp"
-#include "simulation/scene/coast_scene.hpp"
 #include "simulation/scene/procedural_ground.hpp"
-#include "simulation/scene/repetitive_ground.hpp"
-#include "simulation/scene/room_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 namespace stillkite {
 namespace {

@@ -1,10 +1,9 @@
 #include "simulation/flight/flight_check.hpp"
+#include "simulation/scene/scenes.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "simulation/scene/room_scene.hpp"
 
 namespace stillkite {
 namespace {

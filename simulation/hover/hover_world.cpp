@@ -3,8 +3,7 @@
 #include <utility>
 
 #include "simulation/hover/hover_streams.hpp"
-#include "simulation/scene/coast_scene.hpp"
-#include "simulation/scene/room_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 namespace stillkite {
 

@@ -1,4 +1,4 @@
-#include "simulation/scene/coast_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 #include <cmath>
 #include <memory>

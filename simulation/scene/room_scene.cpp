@@ -1,4 +1,4 @@
-#include "simulation/scene/room_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 #include <cmath>
 #include <numbers>

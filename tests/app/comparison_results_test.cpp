@@ -4,8 +4,6 @@
 
 #include <random>
 
-#include "app/comparison_table.hpp"
-
 namespace stillkite {
 namespace {
 

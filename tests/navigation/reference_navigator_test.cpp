@@ -12,7 +12,7 @@
 #include "simulation/camera_mount.hpp"
 #include "simulation/render/develop.hpp"
 #include "simulation/render/patch_renderer.hpp"
-#include "simulation/scene/room_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 #include "tests/navigation/small_camera.hpp"
 
 namespace stillkite {

@@ -14,7 +14,7 @@
 #include "simulation/camera_mount.hpp"
 #include "simulation/render/patch_renderer.hpp"
 #include "simulation/scene/procedural_ground.hpp"
-#include "simulation/scene/room_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 #include "tests/simulation/render/ground_truth.hpp"
 
 namespace stillkite {

@@ -6,7 +6,6 @@
 #include "simulation/camera_mount.hpp"
 #include "simulation/render/renderer.hpp"
 #include "simulation/scene/procedural_ground.hpp"
-#include "simulation/scene/repetitive_ground.hpp"
 
 namespace stillkite {
 namespace {

@@ -8,8 +8,7 @@
 #include "simulation/camera_mount.hpp"
 #include "simulation/render/develop.hpp"
 #include "simulation/render/patch_renderer.hpp"
-#include "simulation/scene/coast_scene.hpp"
-#include "simulation/scene/room_scene.hpp"
+#include "simulation/scene/scenes.hpp"
 
 namespace stillkite {
 namespace {

@@ -14,4 +14,9 @@ namespace stillkite {
 /// Length, width and height.
 [[nodiscard]] Eigen::Vector3d room_size_m();
 
+/// Static coast scene for a boat at the origin, bow towards +x, water surface z = 0. Ahead and to
+/// the right: a shore with houses, and rocks and another boat in front of it. To the left: the sea
+/// up to the horizon. Above: clouds.
+[[nodiscard]] PatchScene make_coast(std::uint64_t seed);
+
 }  // namespace stillkite
