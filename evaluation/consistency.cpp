@@ -18,8 +18,7 @@ double share_above(std::span<const double> values, double bound) {
 
 double share_beyond_sigma(std::span<const double> nees_samples, int degrees_of_freedom,
                           double sigma) {
-  const double probability = std::erf(sigma / std::sqrt(2.0));
-  return share_above(nees_samples, chi_square_quantile(probability, degrees_of_freedom));
+  return share_above(nees_samples, chi_square_at_sigmas(sigma, degrees_of_freedom));
 }
 
 }  // namespace

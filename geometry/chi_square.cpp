@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace stillkite {
 namespace {
@@ -43,6 +44,13 @@ double upper_by_fraction(double a, double x) {
   return prefactor(a, x) * a * value;
 }
 
+/// 1 - P(dof/2, x/2), without cancellation where it is small.
+double upper_tail(double x, double dof) {
+  const double a = 0.5 * dof;
+  const double half_x = 0.5 * x;
+  return half_x < a + 1 ? 1 - lower_by_series(a, half_x) : upper_by_fraction(a, half_x);
+}
+
 }  // namespace
 
 double chi_square_cdf(double x, double dof) {
@@ -61,6 +69,19 @@ double chi_square_quantile(double probability, double dof) {
   while (high - low > 1e-12 * high) {
     const double middle = 0.5 * (low + high);
     (chi_square_cdf(middle, dof) < probability ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+double chi_square_at_sigmas(double sigmas, double dof) {
+  assert(sigmas > 0 && dof > 0);
+  const double tail = std::erfc(sigmas / std::numbers::sqrt2);
+  double low = 0;
+  double high = dof + 1;
+  while (upper_tail(high, dof) > tail) high *= 2;
+  while (high - low > 1e-12 * high) {
+    const double middle = 0.5 * (low + high);
+    (upper_tail(middle, dof) > tail ? low : high) = middle;
   }
   return 0.5 * (low + high);
 }

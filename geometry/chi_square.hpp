@@ -8,6 +8,10 @@ namespace stillkite {
 /// Inverse of chi_square_cdf; probability in (0, 1).
 [[nodiscard]] double chi_square_quantile(double probability, double dof);
 
+/// Squared error whose square root is `sigmas` standard deviations: exceeded as rarely as a normal
+/// variable differs from its mean by more than `sigmas` > 0. sigmas^2 for dof = 1; at most 1400.
+[[nodiscard]] double chi_square_at_sigmas(double sigmas, double dof);
+
 /// Medians, by degrees of freedom, for robust estimates of a variance.
 inline constexpr double kChiSquareMedian1 = 0.4549;
 inline constexpr double kChiSquareMedian2 = 1.3862943611198906;  ///< 2 ln 2

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace stillkite {
 namespace {
@@ -33,6 +34,26 @@ TEST(ChiSquare, QuantilesMatchTables) {
 TEST(ChiSquare, ManyDegreesOfFreedomApproachNormal) {
   const double k = 30000;
   EXPECT_NEAR(chi_square_quantile(0.975, k), k + 1.959964 * std::sqrt(2 * k), 3);
+}
+
+// One degree of freedom: sigmas^2. Two: -2 ln of the normal variable's two-sided tail. Three:
+// tail(x) = erfc(sqrt(x/2)) + sqrt(2 x / pi) exp(-x/2).
+TEST(ChiSquare, SigmasHaveTheTailOfANormalVariable) {
+  for (const double sigmas : {0.1, 1.0, 3.0, 5.0, 20.0}) {
+    const double tail = std::erfc(sigmas / std::numbers::sqrt2);
+    EXPECT_NEAR(chi_square_at_sigmas(sigmas, 1), sigmas * sigmas, 1e-9 * sigmas * sigmas);
+    EXPECT_NEAR(chi_square_at_sigmas(sigmas, 2), -2 * std::log(tail), 1e-9 * sigmas * sigmas);
+    const double x = chi_square_at_sigmas(sigmas, 3);
+    const double tail_of_x =
+        std::erfc(std::sqrt(x / 2)) + std::sqrt(2 * x / std::numbers::pi) * std::exp(-x / 2);
+    EXPECT_NEAR(tail_of_x / tail, 1, 1e-8);
+  }
+  EXPECT_NEAR(chi_square_at_sigmas(3, 3), 14.1564, 1e-4);
+}
+
+TEST(ChiSquare, SigmasBeyondDoublePrecisionAreBounded) {
+  EXPECT_GT(chi_square_at_sigmas(100, 3), 1300);
+  EXPECT_LT(chi_square_at_sigmas(100, 3), 1600);
 }
 
 TEST(ChiSquare, ConstantsAreQuantiles) {
