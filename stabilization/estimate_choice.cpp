@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angle.hpp"
+#include "geometry/chi_square.hpp"
 
 namespace stillkite {
 namespace {
@@ -32,12 +33,12 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance, const Eigen::Quaterni
   return R * covariance * R.transpose();
 }
 
-// Chi-square test: e^T (P + sigma^2 I)^-1 e <= k^2
+// Chi-square test: e^T (P + sigma^2 I)^-1 e <= max_squared_error
 bool is_within(const Eigen::Vector3d& error, const Eigen::Matrix3d& P, double extra_sigma,
-               double sigmas) {
+               double max_squared_error) {
   const Eigen::LDLT<Eigen::Matrix3d> factors(P + extra_sigma * extra_sigma *
                                                      Eigen::Matrix3d::Identity());
-  return factors.info() == Eigen::Success && error.dot(factors.solve(error)) <= sigmas * sigmas;
+  return factors.info() == Eigen::Success && error.dot(factors.solve(error)) <= max_squared_error;
 }
 
 // Part of a translation from the reference that contradicts the reference's direction: all of it
@@ -53,6 +54,9 @@ Eigen::Vector3d contradicted(const Eigen::Vector3d& translation_in_initial,
 }
 
 }  // namespace
+
+EstimateChoice::EstimateChoice(const EstimateChoiceConfig& config)
+    : config_(config), max_squared_error_(chi_square_at_sigmas(config.agreement_sigmas, 3)) {}
 
 EstimateDecision EstimateChoice::step(const EstimatePair& estimates) {
   const bool is_flow_ok = is_usable(estimates.flow);
@@ -152,10 +156,9 @@ bool EstimateChoice::are_consistent(const EstimatePair& estimates) const {
       translation.squaredNorm() *
           rotated(reference.displacement_covariance, initial_from_reference);
   return is_within(rotation, rotation_covariance, config_.rotation_sigma_deg * kDegree,
-                   config_.agreement_sigmas) &&
+                   max_squared_error_) &&
          is_within(contradicted(translation, estimates), translation_covariance,
-                   config_.translation_sigma_ratio * estimates.initial_height,
-                   config_.agreement_sigmas);
+                   config_.translation_sigma_ratio * estimates.initial_height, max_squared_error_);
 }
 
 // Corrects the flow to the reference's rotation and to the component d d^T c of its translation c

@@ -38,7 +38,7 @@ struct EstimateDecision {
 /// scale.
 class EstimateChoice {
  public:
-  explicit EstimateChoice(const EstimateChoiceConfig& config) : config_(config) {}
+  explicit EstimateChoice(const EstimateChoiceConfig& config);
 
   /// Keeps the last source if neither estimate is ok.
   EstimateDecision step(const EstimatePair& estimates);
@@ -56,6 +56,7 @@ class EstimateChoice {
   void set_source(EstimateSource source);
 
   EstimateChoiceConfig config_;
+  double max_squared_error_;  // normalized, of three components
   EstimateDecision decision_;
   int frames_for_other_ = 0;            // consecutive
   std::optional<bool> is_ground_flat_;  // last result of the test

@@ -14,7 +14,8 @@ struct EstimateChoiceConfig {
 
   static void fields(auto& self, auto&& field) {
     field("agreement_sigmas", self.agreement_sigmas, Range{0.1, 100},
-          "maximum normalized difference of flow and reference, in standard deviations");
+          "maximum difference of flow and reference in standard deviations: chi-square test of the "
+          "three components at the probability of a normal variable");
     field("rotation_sigma_deg", self.rotation_sigma_deg, Range{0.01, 45},
           "standard deviation of the rotation difference in addition to both covariances: "
           "calibration error and initial tilt error");

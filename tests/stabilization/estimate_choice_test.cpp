@@ -95,6 +95,21 @@ TEST(EstimateChoice, TestsConsistencyWithBothCovariances) {
   EXPECT_EQ(source_after(choice, pair_of(flow_at(kForward), uncertain), 20), EstimateSource::flow);
 }
 
+// Three degrees of freedom: the quantile of 3 sigma, 99.73 %, is 14.156 = 3.7625^2.
+TEST(EstimateChoice, AgreementIsAQuantileOfThreeComponents) {
+  const auto source_at = [](double rotation_sigmas) {
+    EstimatePair pair =
+        pair_of(flow_at(kForward, rotation_sigmas * EstimateChoiceConfig{}.rotation_sigma_deg),
+                reference_towards(kForward));
+    pair.flow.rotation_covariance.setZero();
+    pair.reference.rotation_covariance.setZero();
+    EstimateChoice choice({});
+    return source_after(choice, pair, kPatience);
+  };
+  EXPECT_EQ(source_at(3.76), EstimateSource::flow);
+  EXPECT_EQ(source_at(3.77), EstimateSource::reference);
+}
+
 TEST(EstimateChoice, KeepsReliefResultUntilParallaxSuffices) {
   EstimateChoice choice({});
   const MotionEstimate flow = flow_at(kForward);
