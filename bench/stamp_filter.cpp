@@ -6,10 +6,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace {
@@ -31,6 +33,8 @@ struct Case {
   double interval_sigma_s = 0;
   double missed_ratio = 0;
   double later_rate_hz = 0;  // of the second half; 0: the same
+  int burst_length = 1;      // frames that arrive within 1 ms each with the last of them
+  int burst_every = 1;       // frames
 };
 
 Draw uniform(double bound_s) {
@@ -64,7 +68,8 @@ Stream simulate(const Case& c, int seed) {
     const double rate_hz = k > kFrames / 2 && c.later_rate_hz > 0 ? c.later_rate_hz : c.rate_hz;
     t_s += 1 / rate_hz + c.interval_sigma_s * change_s(random);
     if (is_missed(random)) continue;
-    double stamp_s = t_s + c.error_s(random);
+    const int ahead = c.burst_length - 1 - k % c.burst_every;
+    double stamp_s = t_s + c.error_s(random) + std::max(0, ahead) * (1 / c.rate_hz - 1e-3);
     if (c.resolution_s > 0) stamp_s = std::floor(stamp_s / c.resolution_s) * c.resolution_s;
     const Timestamp stamp = from_seconds(stamp_s);
     if (!stream.stamps.empty() && stamp <= stream.stamps.back()) continue;
@@ -79,10 +84,16 @@ struct Sums {
   int all = 0, converged = 0, beyond = 0;
 };
 
+// A recorded stream: eight following stamps are known.
 void add(const Stream& stream, StampFilter filter, Sums& sums) {
-  FilteredStamp before = filter.next(stream.stamps[0]);
+  constexpr std::size_t kFollowing = 8;
+  const auto following = [&](std::size_t k) {
+    const std::size_t count = std::min(kFollowing, stream.stamps.size() - k - 1);
+    return std::span(stream.stamps).subspan(k + 1, count);
+  };
+  FilteredStamp before = filter.next(stream.stamps[0], following(0));
   for (std::size_t k = 1; k < stream.stamps.size(); ++k) {
-    const FilteredStamp now = filter.next(stream.stamps[k]);
+    const FilteredStamp now = filter.next(stream.stamps[k], following(k));
     const double true_s = stream.true_s[k] - stream.true_s[k - 1];
     const double error_s = seconds_between(before.stamp, now.stamp) - true_s;
     const double sigma_s = std::numbers::sqrt2 * now.sigma_s;
@@ -127,4 +138,9 @@ int main() {
   print({"+-2 ms, 30 to 20 Hz", 30, uniform(2e-3), 0, 0, 0, 20});
   print({"+-2 ms, 30 to 25 Hz", 30, uniform(2e-3), 0, 0, 0, 25});
   print({"+-2 ms, 30 to 60 Hz", 30, uniform(2e-3), 0, 0, 0, 60});
+  print({"bursts of 2, 30 Hz", 30, no_error, 0, 0, 0, 0, 2, 2});
+  print({"bursts of 4, 30 Hz", 30, no_error, 0, 0, 0, 0, 4, 4});
+  print({"bursts of 8, 30 Hz", 30, no_error, 0, 0, 0, 0, 8, 8});
+  print({"burst of 5 in 40 frames, 30 Hz", 30, no_error, 0, 0, 0, 0, 5, 40});
+  print({"burst of 30 in 200 frames, 30 Hz", 30, no_error, 0, 0, 0, 0, 30, 200});
 }

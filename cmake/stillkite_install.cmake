@@ -25,6 +25,7 @@ set(STILLKITE_INCLUDED_HEADERS
   geometry/angle.hpp
   geometry/camera.hpp
   geometry/fields.hpp
+  geometry/frame_period.hpp
   geometry/image_view.hpp
   geometry/median.hpp
   geometry/rigid_transform.hpp

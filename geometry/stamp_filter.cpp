@@ -5,9 +5,10 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
 
-#include "geometry/median.hpp"
+#include "geometry/period_counts.hpp"
 #include "geometry/time_filter.hpp"
 
 namespace stillkite {
@@ -18,6 +19,7 @@ constexpr std::size_t kMinStamps = 3;  // two determine time and period
 // White jitter correlates neighbouring intervals by -1/2, irregular intervals by 0. The difference
 // is two standard errors of 16 intervals.
 constexpr std::size_t kMinSmoothed = 17;
+constexpr std::size_t kFollowing = 8;  // frames of a burst, at most
 
 // The time constant of a filter is 1 / sqrt(ratio) frames, from the window's length to below one.
 constexpr auto kRatios = std::to_array<VarianceRatio>(
@@ -25,15 +27,6 @@ constexpr auto kRatios = std::to_array<VarianceRatio>(
 
 double square(double x) {
   return x * x;
-}
-
-double median_interval_s(std::span<const Timestamp> stamps) {
-  std::vector<double> intervals_s;
-  intervals_s.reserve(kWindow);
-  for (std::size_t i = 1; i < stamps.size(); ++i) {
-    intervals_s.push_back(seconds_between(stamps[i - 1], stamps[i]));
-  }
-  return upper_median(intervals_s);
 }
 
 // True if the intervals agree within a thousandth.
@@ -48,75 +41,22 @@ bool is_regular(std::span<const Timestamp> stamps) {
   return most_s - least_s < kMaxRatio * least_s;
 }
 
-// Number of periods from each stamp of a window to the next: more than one after missed frames. A
-// single late stamp follows no missed frame, as one of the next four stamps is on time. Delays of 8
-// ms on average at 30 Hz exceed half a period in 13 % of the frames, five in a row in 3e-5.
-class PeriodCounts {
- public:
-  explicit PeriodCounts(std::span<const Timestamp> stamps)
-      : stamps_(stamps), median_s_(median_interval_s(stamps)) {
-    const double first_s = at_s(1);
-    counts_.push_back(std::max(1.0, std::round(first_s / median_s_)));
-    TimeFilter regular(kRatios[0], first_s, counts_.back());
-    for (std::size_t i = 2; i < stamps.size(); ++i) {
-      counts_.push_back(count_to(i, regular));
-      regular.update(at_s(i), counts_.back());
-    }
-  }
-
-  [[nodiscard]] double operator[](std::size_t i) const { return counts_[i]; }
-
-  // Variance of the last count: a Bernoulli variable, late or after missed frames, with the rate of
-  // the late stamps in the window.
-  [[nodiscard]] double last_variance() const {
-    if (!may_be_late(last_excess_)) return 0;
-    const double late = (late_ + 1.0) / (late_ + missed_ + 2.0);
-    return late * (1 - late) * square(last_excess_);
-  }
-
- private:
-  [[nodiscard]] double at_s(std::size_t i) const { return seconds_between(stamps_[0], stamps_[i]); }
-
-  double count_to(std::size_t i, const TimeFilter& regular) {
-    constexpr std::size_t kNext = 4;
-    const auto count = [&](std::size_t j) {
-      const double periods = (at_s(j) - regular.time_s()) / median_s_;
-      return std::max(1.0, std::round(periods) - static_cast<double>(j - i));
-    };
-    const double first = count(i);
-    last_excess_ = first - 1;
-    if (i + 1 == stamps_.size()) {
-      return may_be_late(last_excess_) && late_ > missed_ ? 1 : first;
-    }
-    double least = first;
-    const std::size_t end = std::min(i + 1 + kNext, stamps_.size());
-    for (std::size_t j = i + 1; j < end; ++j) least = std::min(least, count(j));
-    if (first > 1) ++(least < first ? late_ : missed_);
-    max_lateness_ = std::max(max_lateness_, first - least);
-    return least;
-  }
-
-  // True for an excess over one period that a late stamp of the window has reached.
-  [[nodiscard]] bool may_be_late(double periods) const {
-    return periods > 0 && periods <= max_lateness_;
-  }
-
-  std::span<const Timestamp> stamps_;
-  double median_s_;
-  std::vector<double> counts_;
-  int late_ = 0, missed_ = 0;
-  double max_lateness_ = 0;  // periods
-  double last_excess_ = 0;   // periods beyond one, by the last stamp alone
-};
-
+// Filters at the last of the stamps, by those that are not late; empty below two of them.
 std::vector<TimeFilter> filters_of(std::span<const Timestamp> stamps, const PeriodCounts& counts) {
   std::vector<TimeFilter> filters;
-  for (const VarianceRatio& ratio : kRatios) {
-    TimeFilter& filter =
-        filters.emplace_back(ratio, seconds_between(stamps[0], stamps[1]), counts[0]);
-    for (std::size_t i = 2; i < stamps.size(); ++i) {
-      filter.update(seconds_between(stamps[0], stamps[i]), counts[i - 1]);
+  std::optional<double> first_s;
+  double periods = 0;  // since the first
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const double stamp_s = seconds_between(stamps[0], stamps[i]);
+    periods += first_s ? counts[i] : 0;
+    for (TimeFilter& filter : filters) {
+      counts.is_late(i) ? filter.predict(counts[i]) : filter.update(stamp_s, counts[i]);
     }
+    if (counts.is_late(i) || !filters.empty()) continue;
+    for (const VarianceRatio& ratio : kRatios) {
+      if (first_s) filters.emplace_back(ratio, *first_s, stamp_s, periods);
+    }
+    if (!first_s) first_s = stamp_s;
   }
   return filters;
 }
@@ -139,8 +79,12 @@ void StampFilter::reset_variances() {
 
 void StampFilter::initialize(std::span<const Timestamp> stamps) {
   stamps = stamps.first(std::min(stamps.size(), kWindow));
+  frame_period_.clear();
+  for (std::size_t i = 1; i < stamps.size(); ++i) frame_period_.add(stamps[i - 1], stamps[i]);
   if (stamps.size() < kMinStamps) return;
-  estimate_variances(filters_of(stamps, PeriodCounts(stamps)), stamps.size());
+  const PeriodCounts counts(stamps, frame_period_.with({}), false);
+  const std::vector<TimeFilter> filters = filters_of(stamps, counts);
+  if (!filters.empty()) estimate_variances(filters, counts.on_time(stamps.size()));
 }
 
 void StampFilter::estimate_variances(const std::vector<TimeFilter>& filters, std::size_t stamps) {
@@ -155,31 +99,46 @@ void StampFilter::estimate_variances(const std::vector<TimeFilter>& filters, std
   variance_stamps_ = stamps;
 }
 
-FilteredStamp StampFilter::next(Timestamp stamp) {
+FilteredStamp StampFilter::next(Timestamp stamp, std::span<const Timestamp> following) {
   constexpr double kNegligibleRatio = 1e-3, kMinStepRatio = 0.1;
-  const bool has_rate_changed = is_rate_change(stamp);
+  std::vector<Timestamp> known{stamp};
+  following = following.first(std::min(following.size(), kFollowing));
+  known.insert(known.end(), following.begin(), following.end());
+  const double raw_s = window_.empty() ? 0 : seconds_between(window_.back(), stamp);
+  const bool is_flush = flush_stamps_ > 0 && raw_s < kMaxBurstRatio * period_before_s_;
+  flush_stamps_ -= is_flush ? 1 : 0;
+  const bool has_rate_changed = !is_flush && is_rate_change(stamp);
   if (has_rate_changed) reset_variances();
-  if (has_rate_changed || is_interrupted_by(stamp)) return restart(stamp);
+  if (has_rate_changed || is_interrupted_by(known)) return restart(known, has_rate_changed);
   if (window_.size() == kWindow) window_.erase(window_.begin());
   window_.push_back(stamp);
   const std::optional<Timestamp> before = std::exchange(last_, stamp);
   if (!before) return {.stamp = stamp};
-  if (resolution_s_ == 0 && window_.size() >= kMinSmoothed && *before < stamp &&
+  frame_period_.add(window_[window_.size() - 2], stamp);
+  if (resolution_s_ == 0 && !is_flush && window_.size() >= kMinSmoothed && *before < stamp &&
       is_regular(window_)) {  // fast path
     jitter_s_ = interval_sigma_s_ = 0;
-    period_s_ = seconds_between(window_[window_.size() - 2], stamp);
+    period_s_ = raw_s;
     return {.stamp = stamp};
   }
-  const PeriodCounts counts(window_);
+  const double frame_s = frame_period_.with(known);
+  const std::size_t at = window_.size() - 1;
+  burst_stamps_ += raw_s < kMaxBurstRatio * frame_s ? 1 : 0;
+  known.insert(known.begin(), window_.begin(), window_.end() - 1);
+  const PeriodCounts counts(known, frame_s, is_flush);
   const std::vector<TimeFilter> filters = filters_of(window_, counts);
-  if (window_.size() >= std::max(variance_stamps_, kMinStamps))
-    estimate_variances(filters, window_.size());
+  const bool is_burst = counts.is_late(at) || counts.is_late(at - 1);
+  if (filters.empty()) {  // the period is known, not which stamp is on time
+    return {.stamp = stamp, .sigma_s = std::abs(raw_s - frame_s) / std::numbers::sqrt2};
+  }
+  const std::size_t on_time = counts.on_time(window_.size());
+  if (on_time >= std::max(variance_stamps_, kMinStamps)) estimate_variances(filters, on_time);
   set_jitter(filters);
   if (jitter_s_ * std::numbers::sqrt2 < kNegligibleRatio * period_s_) jitter_s_ = 0;
-  if (jitter_s_ == 0 && *before < stamp) return {.stamp = stamp};
+  if (jitter_s_ == 0 && !is_burst && *before < stamp) return {.stamp = stamp};
 
   double time_s = seconds_between(window_[0], stamp);
-  if (variance_stamps_ >= kMinSmoothed) {
+  if (variance_stamps_ >= kMinSmoothed || counts.is_late(at)) {
     time_s = 0;
     for (std::size_t i = 0; i < filters.size(); ++i) {
       time_s += hypotheses_[i].weight * filters[i].time_s();
@@ -188,21 +147,33 @@ FilteredStamp StampFilter::next(Timestamp stamp) {
   const double before_s = seconds_between(window_[0], *before);
   time_s = std::max(time_s, before_s + kMinStepRatio * period_s_);
   last_ = Timestamp{window_[0].ns + std::llround(1e9 * time_s)};
-  double variance_s2 =
-      step_variance(filters, time_s - before_s) + counts.last_variance() * square(period_s_);
-  if (std::abs(residuals_s_[0]) > residual_limit_s_) {  // late, or at another rate
-    const double interval_s = seconds_between(window_[window_.size() - 2], stamp);
-    variance_s2 += square(residuals_s_[0]) + square(time_s - before_s - interval_s);
+  double variance_s2 = step_variance(filters, time_s - before_s) +
+                       (following.empty() ? counts.last_variance() * square(period_s_) : 0);
+  if (!is_burst && std::abs(residuals_s_[0]) > residual_limit_s_) {  // late, or at another rate
+    variance_s2 += square(residuals_s_[0]) + square(time_s - before_s - raw_s);
   }
   return {.stamp = *last_, .sigma_s = std::sqrt(variance_s2 / 2)};
 }
 
 // The stamp before was corrected and this one is not: the correction is an error of the interval.
-FilteredStamp StampFilter::restart(Timestamp stamp) {
-  const double correction_s = seconds_between(window_.back(), *last_);
-  window_.assign(1, stamp);
-  last_ = stamp;
-  return {.stamp = stamp, .sigma_s = std::abs(correction_s) / std::numbers::sqrt2};
+// After a gap the frames that are due since may follow at once: then the first one is late.
+FilteredStamp StampFilter::restart(std::span<const Timestamp> known, bool has_rate_changed) {
+  const double gap_s = seconds_between(window_.back(), known[0]);
+  double error_s2 = square(seconds_between(window_.back(), *last_));
+  period_before_s_ = std::max(period_s_, frame_period_.with({}));
+  flush_stamps_ = 0;
+  if (has_rate_changed || gap_s <= 0 || period_before_s_ == 0) {
+    frame_period_.clear();
+  } else {
+    frame_period_.add(window_.back(), known[0]);
+    flush_stamps_ = std::llround(gap_s / period_before_s_);
+    const bool is_late =
+        known.size() > 1 && seconds_between(known[0], known[1]) < kMaxBurstRatio * period_before_s_;
+    if (is_late) error_s2 += square(gap_s - period_before_s_);
+  }
+  window_.assign(1, known[0]);
+  last_ = known[0];
+  return {.stamp = known[0], .sigma_s = std::sqrt(error_s2 / 2)};
 }
 
 // Residuals of the intervals to whole periods. White jitter exceeds three sigma in three of four
@@ -222,7 +193,9 @@ bool StampFilter::is_rate_change(Timestamp stamp) {
   residuals_s_[0] = interval_s - periods * period_s_;
   // a single late stamp: the two intervals together are two periods
   const double two_s = seconds_between(window_[window_.size() - 2], stamp);
-  if (std::abs(two_s - 2 * period_s_) < residual_limit_s_) residuals_s_[0] = 0;
+  if (std::abs(two_s - 2 * period_s_) < residual_limit_s_ || is_late_in_burst(stamp)) {
+    residuals_s_[0] = 0;
+  }
   const auto is_beyond = [this](double residual_s) {
     return std::abs(residual_s) > residual_limit_s_;
   };
@@ -236,13 +209,31 @@ bool StampFilter::is_rate_change(Timestamp stamp) {
           std::ranges::all_of(residuals_s_, has_sign_of_last));
 }
 
+// True for a short interval in a burst of up to eight frames, all late by the stamps before it.
+bool StampFilter::is_late_in_burst(Timestamp stamp) const {
+  if (seconds_between(window_.back(), stamp) > kMaxBurstRatio * period_s_) return false;
+  for (std::size_t k = 2; k <= std::min(kFollowing, window_.size()); ++k) {
+    const double due_s = static_cast<double>(k) * period_s_;
+    if (seconds_between(window_[window_.size() - k], stamp) - due_s > -residual_limit_s_)
+      return true;
+  }
+  return false;
+}
+
 // Step back, or a gap whose number of periods is unknown: the period after three stamps is known to
-// 1 / 16 of itself if the jitter is below 3 % of it.
-bool StampFilter::is_interrupted_by(Timestamp stamp) const {
-  constexpr double kMaxPeriods = 8;
+// 1 / 16 of itself if the jitter is below 3 % of it. Not a gap that the next stamps make up for.
+bool StampFilter::is_interrupted_by(std::span<const Timestamp> known) const {
+  constexpr double kMaxPeriods = 8, kMaxLatePeriods = 1.5;
   if (window_.empty()) return false;
-  const double interval_s = seconds_between(window_.back(), stamp);
-  return interval_s <= 0 || (window_.size() >= kMinStamps && interval_s > kMaxPeriods * period_s_);
+  if (known[0] <= window_.back()) return true;
+  if (window_.size() < kMinStamps) return false;
+  const double period_s = std::max(period_s_, frame_period_.with(known));
+  if (seconds_between(window_.back(), known[0]) <= kMaxPeriods * period_s) return false;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const double due_s = (static_cast<double>(i) + kMaxLatePeriods) * period_s;
+    if (seconds_between(window_.back(), known[i]) < due_s) return false;
+  }
+  return true;
 }
 
 void StampFilter::set_jitter(const std::vector<TimeFilter>& filters) {

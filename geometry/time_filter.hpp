@@ -13,8 +13,11 @@ struct VarianceRatio {
 /// stamp s_k = t_k + e_k, with white w and e. Variances are in units of `scale_s2`.
 class TimeFilter {
  public:
-  /// The first interval, of `periods` periods, determines time and period.
-  TimeFilter(const VarianceRatio& ratio, double first_interval_s, double periods);
+  /// The first two stamps, `periods` periods apart, determine time and period.
+  TimeFilter(const VarianceRatio& ratio, double first_s, double second_s, double periods);
+
+  /// Time of a frame without a stamp.
+  void predict(double periods);
 
   /// `periods`: m, the number of periods since the stamp before.
   void update(double stamp_s, double periods);

@@ -21,7 +21,7 @@ struct SourceConfig {
     field("start_s", self.start_s, kNonNegative, "start time after the first frame");
     field("end_s", self.end_s, kPositive, "end time after the first frame");
     field("rate_hz", self.rate_hz, Range{1e-3, 1e5},
-          "frame rate for images without time stamps; replaces those of a video");
+          "frame rate for images without time stamps; replaces those of a video or EuRoC data set");
     field("bits", self.bits, Range{8, 16},
           "significant bits per pixel of images and videos of more than 8 bits, for example 10, 12 "
           "or 14");

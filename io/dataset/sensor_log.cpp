@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -130,11 +131,15 @@ Eigen::Vector3d rates_at(const TableReader& row) {
   return vector_at(row, 1, kRates_rad_s);
 }
 
-std::vector<Timestamp> without_jitter(std::vector<Timestamp> stamps) {
+std::vector<Timestamp> without_jitter(std::span<const Timestamp> stamps) {
   StampFilter filter;
   filter.initialize(stamps);
-  for (Timestamp& stamp : stamps) stamp = filter.next(stamp).stamp;
-  return stamps;
+  std::vector<Timestamp> out;
+  out.reserve(stamps.size());
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    out.push_back(filter.next(stamps[i], stamps.subspan(i + 1)).stamp);
+  }
+  return out;
 }
 
 // Series of (stamp, read_row(row)).
@@ -184,7 +189,7 @@ SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestam
 
 TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file) {
   auto rates = read_series<Eigen::Vector3d>(file, 4, std::vector(3, Unit::radian_per_s), rates_at);
-  rates.stamps = without_jitter(std::move(rates.stamps));
+  rates.stamps = without_jitter(rates.stamps);
   return rates;
 }
 
@@ -222,7 +227,7 @@ TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
                               const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
                               return (Vector6d() << rates, forces).finished();
                             });
-  imu.stamps = without_jitter(std::move(imu.stamps));
+  imu.stamps = without_jitter(imu.stamps);
   return imu;
 }
 

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <exception>
 #include <thread>
 #include <variant>
@@ -24,6 +25,7 @@ namespace {
 
 // Hides the jitter of a multi-threaded decoder.
 constexpr std::size_t kDecodeAhead = 4;
+constexpr std::size_t kFollowing = 8;  // frames whose stamps StampFilter compares
 
 using Reader = std::variant<VideoReader, ImageSequence>;
 
@@ -35,6 +37,14 @@ std::vector<StampedImage> images_between(std::vector<StampedImage> images,
     return t_s < config.start_s || (config.end_s && t_s > *config.end_s);
   });
   return images;
+}
+
+void restamp(std::vector<StampedImage>& images, double rate_hz) {
+  const Timestamp first = images.front().stamp;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const double t_s = static_cast<double>(i) / rate_hz;
+    images[i].stamp = {first.ns + from_seconds(t_s).ns};
+  }
 }
 
 Reader open_reader(const SourceConfig& config) {
@@ -62,7 +72,9 @@ Reader open_reader(const SourceConfig& config) {
   }
   if (config.track) throw InputError("source.track: only for videos; remove it for a folder");
   if (const auto dataset = find_euroc_dataset(path)) {
-    return ImageSequence(images_between(read_image_list(dataset->images_csv), config), config.bits);
+    std::vector<StampedImage> listed = read_image_list(dataset->images_csv);
+    if (config.rate_hz) restamp(listed, *config.rate_hz);
+    return ImageSequence(images_between(std::move(listed), config), config.bits);
   }
   const bool has_rate = config.rate_hz.has_value();
   std::vector<StampedImage> images = list_images(path, has_rate ? *config.rate_hz : 1.0);
@@ -105,6 +117,16 @@ std::optional<std::string> jitter_note(const StampFilter& stamps) {
       1e3 * stamps.jitter_s(), 100 * ratio);
 }
 
+// Message if more frames came in bursts than at a change of the frame rate, which flags three.
+std::optional<std::string> burst_note(const StampFilter& stamps, std::int64_t images) {
+  constexpr int kMaxAtRateChange = 3;
+  if (stamps.burst_stamps() <= kMaxAtRateChange) return std::nullopt;
+  return fmt::format(
+      ": {} of {} images came in bursts, stamped on arrival; their stamps are replaced by the mean "
+      "frame interval, or have its error; use stamps of exposure, or set source.rate_hz",
+      stamps.burst_stamps(), images);
+}
+
 }  // namespace
 
 struct FrameSource::State {
@@ -119,6 +141,8 @@ struct FrameSource::State {
   }
 
   void decode_all();
+  std::optional<ReadResult> pop();
+  [[nodiscard]] std::vector<Timestamp> following() const;
   std::optional<Frame> take();
 
   SourceConfig config;
@@ -134,6 +158,7 @@ struct FrameSource::State {
   bool first_returned = false;
   std::optional<Timestamp> last_stamp;  // as stored
   StampFilter stamps;
+  std::deque<ReadResult> ahead;  // popped from the queue
   std::int64_t read = 0;
   std::int64_t undecodable = 0;
   std::int64_t out_of_order = 0;  // time stamps that do not increase
@@ -166,8 +191,32 @@ void FrameSource::State::decode_all() {
   queue.close();
 }
 
+std::optional<ReadResult> FrameSource::State::pop() {
+  while (ahead.size() <= kFollowing) {
+    std::optional<ReadResult> result = queue.pop();
+    if (!result) break;
+    ahead.push_back(std::move(*result));
+  }
+  if (ahead.empty()) return std::nullopt;
+  ReadResult result = std::move(ahead.front());
+  ahead.pop_front();
+  return result;
+}
+
+// Ascending stamps of the frames after the last one popped.
+std::vector<Timestamp> FrameSource::State::following() const {
+  std::vector<Timestamp> out;
+  Timestamp last = *last_stamp;
+  for (const ReadResult& result : ahead) {
+    if (result.status != ReadResult::Status::frame || result.frame.stamp <= last) continue;
+    last = result.frame.stamp;
+    out.push_back(last);
+  }
+  return out;
+}
+
 std::optional<Frame> FrameSource::State::take() {
-  while (std::optional<ReadResult> result = queue.pop()) {
+  while (std::optional<ReadResult> result = pop()) {
     const std::int64_t index = read++;
     if (result->status == ReadResult::Status::undecodable) {
       ++undecodable;
@@ -179,7 +228,7 @@ std::optional<Frame> FrameSource::State::take() {
     }
     interlaced = interlaced || result->interlaced;
     last_stamp = result->frame.stamp;
-    const FilteredStamp filtered = stamps.next(result->frame.stamp);
+    const FilteredStamp filtered = stamps.next(result->frame.stamp, following());
     result->frame.recorded_stamp = result->frame.stamp;
     result->frame.stamp = filtered.stamp;
     result->frame.stamp_sigma_s = filtered.sigma_s;
@@ -260,6 +309,7 @@ std::optional<std::string> FrameSource::problem() const {
                            "is optimistic there)"));
   }
   if (const std::optional<std::string> jitter = jitter_note(s.stamps)) add(path + *jitter);
+  if (const std::optional<std::string> bursts = burst_note(s.stamps, s.read)) add(path + *bursts);
   if (s.out_of_order > 0) {
     add(fmt::format("{}: {} of {} images have time stamps that do not increase and are skipped",
                     path, s.out_of_order, s.read));

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <span>
+#include <utility>
 
 namespace stillkite {
 namespace {
@@ -219,6 +221,67 @@ TEST(StampFilter, RemovesExponentialDelays) {
   const std::vector<FilteredStamp> filtered = filter_all(stream);
   EXPECT_LT(interval_errors(stream, filtered, kConverged).rms_s, 4e-3);  // raw: 5.7 ms
   EXPECT_LT(share_beyond_3_sigma(stream, filtered), 0.03);
+}
+
+// `length` frames arrive within a millisecond of each other with the last of them, every `every`.
+Stream burst_stream(int length, int every) {
+  Stream stream;
+  for (int k = 0; k < kFrames; ++k) {
+    const int ahead = length - 1 - k % every;
+    const double late_s = ahead > 0 ? ahead * (kPeriod_s - 1e-3) : 0;
+    stream.true_s.push_back(k * kPeriod_s);
+    stream.stamps.push_back(from_seconds(k * kPeriod_s + late_s));
+  }
+  return stream;
+}
+
+std::vector<FilteredStamp> filter_recorded(const Stream& stream, StampFilter filter) {
+  constexpr std::size_t kFollowing = 8;
+  std::vector<FilteredStamp> out;
+  const std::span<const Timestamp> stamps = stream.stamps;
+  for (std::size_t k = 0; k < stamps.size(); ++k) {
+    const std::size_t count = std::min(kFollowing, stamps.size() - k - 1);
+    out.push_back(filter.next(stamps[k], stamps.subspan(k + 1, count)));
+  }
+  return out;
+}
+
+TEST(StampFilter, BurstsOfARecordedStreamAreRespaced) {
+  for (const auto& [length, every] : {std::pair(2, 2), std::pair(4, 4), std::pair(5, 40)}) {
+    const Stream stream = burst_stream(length, every);
+    StampFilter filter;
+    filter.initialize(stream.stamps);
+    const std::vector<FilteredStamp> filtered = filter_recorded(stream, filter);
+    EXPECT_LT(interval_errors(stream, filtered, kConverged).rms_s, 0.1e-3) << length;
+    EXPECT_LT(share_beyond_3_sigma(stream, filtered), 0.01) << length;
+  }
+}
+
+TEST(StampFilter, BurstsOfALiveStreamAreRespacedOnceTheyRecur) {
+  for (const int length : {3, 4, 5}) {
+    const Stream stream = burst_stream(length, length);
+    const std::vector<FilteredStamp> filtered = filter_all(stream);
+    EXPECT_LT(interval_errors(stream, filtered, kConverged).rms_s, 0.1e-3) << length;
+    EXPECT_LT(share_beyond_3_sigma(stream, filtered), 0.06) << length;
+  }
+}
+
+// The transmission stops for 0.97 s, then delivers 29 frames at once.
+TEST(StampFilter, BurstAfterAnInterruptionHasTheSigmaOfItsPeriod) {
+  const Stream stream = burst_stream(30, 250);
+  const std::vector<FilteredStamp> filtered = filter_recorded(stream, StampFilter());
+  for (std::size_t k = 251; k < 279; ++k) {
+    EXPECT_NEAR(std::sqrt(2.0) * filtered[k].sigma_s, kPeriod_s - 1e-3, 1e-6) << k;
+  }
+  EXPECT_EQ(filtered[285].sigma_s, 0);
+}
+
+TEST(StampFilter, CountsTheStampsInBursts) {
+  const Stream stream = burst_stream(2, 2);
+  StampFilter filter;
+  filter.initialize(stream.stamps);
+  for (const Timestamp stamp : stream.stamps) (void)filter.next(stamp);
+  EXPECT_EQ(filter.burst_stamps(), kFrames / 2);
 }
 
 TEST(StampFilter, FirstStampsOfAnUnknownStreamAreNotChanged) {
