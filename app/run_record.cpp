@@ -17,15 +17,16 @@ TrueState true_state(const GroundTruth& truth, Timestamp stamp) {
 }  // namespace
 
 void RunRecord::add(const NavigationEstimate& estimate, const FlightInputs& inputs) {
-  // Rotation since the previous frame that the reference estimator has measured.
+  // Rotation since the previous frame that the images have measured.
   const auto& reference = estimate.reference;
-  if (!inputs.sensors.angular_rate_in_body_rad_s.stamps.empty() && tally.last && reference &&
-      reference->measured_rate_in_camera_rad_s) {
+  const std::optional<Eigen::Vector3d>& rate_in_camera_rad_s =
+      reference ? reference->measured_rate_in_camera_rad_s : estimate.measured_rate_in_camera_rad_s;
+  if (!inputs.sensors.angular_rate_in_body_rad_s.stamps.empty() && tally.last &&
+      rate_in_camera_rad_s) {
     const Timestamp previous = tally.last->stamp;
-    rotations.push_back(
-        {previous, estimate.stamp,
-         seconds_between(previous, estimate.stamp) *
-             (inputs.body_from_camera.rotation * *reference->measured_rate_in_camera_rad_s)});
+    rotations.push_back({previous, estimate.stamp,
+                         seconds_between(previous, estimate.stamp) *
+                             (inputs.body_from_camera.rotation * *rate_in_camera_rad_s)});
   }
   charts.add(estimate, true_state(inputs.truth, estimate.stamp));
   if (!inputs.truth.empty()) motions.push_back(evaluated_motion(estimate));

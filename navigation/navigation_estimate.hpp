@@ -77,6 +77,8 @@ struct NavigationEstimate {
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate), both in C
   std::optional<Twist> measured_twist;           ///< least squares before the filter (paper mode)
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
+  /// Mean angular rate since the previous frame, by images alone (policy flow); empty: not measured.
+  std::optional<Eigen::Vector3d> measured_rate_in_camera_rad_s;
   /// Mean flow vector of the ground since the last image that was not frozen; empty: not measured.
   std::optional<Eigen::Vector2d> image_shift_px;
 

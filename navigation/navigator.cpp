@@ -15,6 +15,7 @@
 #include "navigation/estimate_parts.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/fused_navigator.hpp"
+#include "navigation/image_rotation.hpp"
 #include "navigation/keyframe_navigator.hpp"
 #include "navigation/paper_navigator.hpp"
 #include "navigation/reference_navigator.hpp"
@@ -95,6 +96,7 @@ struct Navigator::State {
   FrameCopies copies;
   FrameClock clock;
   Method method;
+  ImageRotation rotation;
   StaticOverlayDetector static_overlays;
   std::optional<StandstillDetector> standstill;
 };
@@ -108,6 +110,7 @@ Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camer
                 .copies = FrameCopies(camera, valid_pixels),
                 .clock = FrameClock(config.trust.max_gap_s),
                 .method = make_method(camera, body_from_camera, config, initial, estimator),
+                .rotation = {},
                 .static_overlays = {},
                 .standstill = detects_standstill(estimator)
                                   ? std::optional<StandstillDetector>(std::in_place)
@@ -145,6 +148,10 @@ NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& rea
   // 5. Estimate the motion by the policy's method; its image displacement updates the overlays.
   NavigationEstimate estimate = std::visit(
       [&](auto& method) { return method.step(masked, interval, finite_readings); }, state_->method);
+  if (const auto* flow = std::get_if<KeyframeNavigator>(&state_->method)) {
+    estimate.measured_rate_in_camera_rad_s =
+        state_->rotation.update(flow->view(), estimate.new_keyframe, interval.dt_s);
+  }
   if (masked.mask) estimate.masked_ratio = masked.mask->masked_ratio();
   state_->static_overlays.update(frame.grey, estimate.image_shift_px);
   return estimate;

@@ -203,7 +203,10 @@ NavigationEstimate PaperNavigator::answer(const Frame& frame, const EgoMotion& m
       .residual_px = motion.residual_px,
       .condition = std::isfinite(motion.condition) ? motion.condition : 0};
   NavigationEstimate out = make_estimate(frame, body_from_camera_, parts);
-  if (motion.verdict == Verdict::ok) out.measured_twist = motion.twist;
+  if (motion.verdict == Verdict::ok) {
+    out.measured_twist = motion.twist;
+    out.measured_rate_in_camera_rad_s = motion.twist.angular_rate_rad_s;
+  }
   return out;
 }
 

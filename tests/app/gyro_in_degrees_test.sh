@@ -9,13 +9,15 @@ rm -rf "$out"
   --out "$out/flight" > /dev/null || exit 1
 imu=$out/flight/imu0/data.csv
 awk -F, -v OFS=, 'NR > 1 { for (i = 2; i <= 4; ++i) $i *= 180 / 3.14159265 } 1' "$imu" > "$out/degrees.csv"
-for log in "$imu" "$out/degrees.csv"; do
-  "$stillkite" run "$out/flight/run.yaml" --set estimator.policy=fused --set imu.path="$log" \
-    --out "$out/run" 2> "$out/messages" > /dev/null || exit 1
-  cat "$out/messages"
-  grep -q "deg/s instead of rad/s" "$out/messages"
-  reported=$?
-  [ "$log" = "$imu" ] && [ $reported -eq 0 ] && { echo "rad/s is reported"; exit 1; }
-  [ "$log" != "$imu" ] && [ $reported -ne 0 ] && { echo "deg/s is not reported"; exit 1; }
+for policy in flow fused; do
+  for log in "$imu" "$out/degrees.csv"; do
+    "$stillkite" run "$out/flight/run.yaml" --set estimator.policy=$policy --set imu.path="$log" \
+      --out "$out/run" 2> "$out/messages" > /dev/null || exit 1
+    cat "$out/messages"
+    grep -q "deg/s instead of rad/s" "$out/messages"
+    reported=$?
+    [ "$log" = "$imu" ] && [ $reported -eq 0 ] && { echo "$policy: rad/s is reported"; exit 1; }
+    [ "$log" != "$imu" ] && [ $reported -ne 0 ] && { echo "$policy: deg/s is not reported"; exit 1; }
+  done
 done
 exit 0
