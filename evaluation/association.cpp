@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "geometry/median.hpp"
+
 namespace stillkite {
 namespace {
 
@@ -73,6 +75,43 @@ std::optional<Twist> twist_at(std::span<const StampedTwist> twists, Timestamp st
     return std::nullopt;
   }
   return nearest->twist;
+}
+
+VelocityAssociation::VelocityAssociation(std::span<const StampedVelocity> velocities,
+                                         double tolerance_s)
+    : velocities_(velocities), tolerance_s_(tolerance_s) {
+  constexpr double kMaxIntervals = 2.5;  // one missing row
+  if (velocities.size() < 2) return;
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < velocities.size(); ++i) {
+    intervals_s.push_back(seconds_between(velocities[i - 1].stamp, velocities[i].stamp));
+  }
+  max_interval_s_ = kMaxIntervals * upper_median(intervals_s);
+}
+
+std::optional<Eigen::Vector3d> VelocityAssociation::next(Timestamp stamp, double max_distance_s) {
+  const auto unused = velocities_.subspan(unused_);
+  auto nearest = first_not_before(unused, stamp);
+  if (nearest != unused.begin() &&
+      (nearest == unused.end() ||
+       distance_s(std::prev(nearest)->stamp, stamp) < distance_s(nearest->stamp, stamp))) {
+    --nearest;
+  }
+  if (nearest == unused.end() || distance_s(nearest->stamp, stamp) > max_distance_s) {
+    return std::nullopt;
+  }
+  const std::size_t row = unused_ + static_cast<std::size_t>(nearest - unused.begin());
+  const bool is_before = nearest->stamp < stamp;
+  const bool has_other = is_before ? row + 1 < velocities_.size() : row > 0;
+  const StampedVelocity& a = *nearest;
+  const StampedVelocity& b = velocities_[!has_other ? row : is_before ? row + 1 : row - 1];
+  const double interval_s = distance_s(a.stamp, b.stamp);
+  const bool interpolates = interval_s > 0 && interval_s <= max_interval_s_;
+  if (!interpolates && distance_s(a.stamp, stamp) > tolerance_s_) return std::nullopt;
+  unused_ = row + 1;
+  const double ratio = interpolates ? distance_s(a.stamp, stamp) / interval_s : 0;
+  return Eigen::Vector3d(a.velocity_in_world_m_s +
+                         ratio * (b.velocity_in_world_m_s - a.velocity_in_world_m_s));
 }
 
 std::vector<PosePair> associate(std::span<const StampedPose> estimates,

@@ -51,6 +51,24 @@ struct PosePair {
 [[nodiscard]] std::optional<Eigen::Vector3d> velocity_at(
     std::span<const StampedVelocity> velocities, Timestamp stamp, double tolerance_s);
 
+/// True velocities at ascending stamps. Each row is the evidence for one stamp only: at a lower
+/// rate than that of the estimates most of these have no true velocity.
+class VelocityAssociation {
+ public:
+  /// `tolerance_s`: to the row, where a neighbour is missing.
+  VelocityAssociation(std::span<const StampedVelocity> velocities, double tolerance_s);
+
+  /// Velocity by the nearest unused row, at most `max_distance_s` away, and its neighbour across
+  /// the stamp: linear over at most 2.5 median intervals of the rows.
+  [[nodiscard]] std::optional<Eigen::Vector3d> next(Timestamp stamp, double max_distance_s);
+
+ private:
+  std::span<const StampedVelocity> velocities_;
+  double tolerance_s_;
+  double max_interval_s_ = 0;
+  std::size_t unused_ = 0;  // first row that may be used
+};
+
 /// Estimates with a true pose, in their own order.
 [[nodiscard]] std::vector<PosePair> associate(std::span<const StampedPose> estimates,
                                               std::span<const StampedPose> truth,

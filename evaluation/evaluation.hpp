@@ -76,7 +76,7 @@ struct Evaluation {
 };
 
 /// Velocities are compared half way between a frame and the one before it, to
-/// `truth.twists_in_camera` if not empty, else to `truth.velocities`, else to differenced true
+/// `truth.twists_in_camera` if not empty, else to `truth.velocities` (each row once), else to differenced true
 /// poses. Non-metric estimates contribute attitude and angular rate only. Truth or estimate without
 /// attitude leaves attitude and angular rate empty.
 [[nodiscard]] Evaluation evaluate(std::span<const EvaluatedMotion> estimates, const Truth& truth,

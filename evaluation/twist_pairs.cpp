@@ -29,9 +29,11 @@ struct Interval {
 /// True velocity at the middle of the interval, in the camera. std::nullopt without a velocity or
 /// an attitude there.
 std::optional<Eigen::Vector3d> velocity_in_camera(const Truth& truth, const Interval& interval,
-                                                  const Similarity& similarity) {
+                                                  const Similarity& similarity,
+                                                  VelocityAssociation& velocities) {
+  constexpr double kHalf = 0.501;  // with the rounding of stamps
   const Timestamp middle{(interval.before.stamp.ns + interval.after.stamp.ns) / 2};
-  const auto velocity = velocity_at(truth.velocities, middle, interval.options.tolerance_s);
+  const auto velocity = velocities.next(middle, kHalf * interval.dt_s());
   const bool is_true = truth.has_attitude && interval.has_pairs();
   if (!velocity || (!is_true && !interval.after.has_attitude)) return std::nullopt;
   const RigidTransform world_from_body =
@@ -44,7 +46,7 @@ std::optional<Eigen::Vector3d> velocity_in_camera(const Truth& truth, const Inte
 }
 
 std::optional<TrueTwist> true_twist(const Truth& truth, const Interval& interval,
-                                    const Similarity& similarity) {
+                                    const Similarity& similarity, VelocityAssociation& velocities) {
   if (!truth.twists_in_camera.empty()) {
     const auto twist =
         twist_at(truth.twists_in_camera, interval.after.stamp, interval.options.tolerance_s);
@@ -59,7 +61,7 @@ std::optional<TrueTwist> true_twist(const Truth& truth, const Interval& interval
   }
   result.by_estimated_attitude = !truth.has_attitude || !interval.has_pairs();
   if (!truth.velocities.empty()) {
-    const auto velocity = velocity_in_camera(truth, interval, similarity);
+    const auto velocity = velocity_in_camera(truth, interval, similarity, velocities);
     result.has_velocity = velocity.has_value();
     if (velocity) result.twist.velocity_m_s = *velocity;
   }
@@ -92,12 +94,13 @@ std::vector<TwistPair> twist_pairs(std::span<const EvaluatedMotion> estimates,
   std::vector<const PosePair*> pair_of(estimates.size(), nullptr);
   for (const PosePair& pair : pairs) pair_of[pair.index] = &pair;
 
+  VelocityAssociation velocities(truth.velocities, options.tolerance_s);
   std::vector<TwistPair> result;
   result.reserve(estimates.size());
   for (std::size_t i = 1; i < estimates.size(); ++i) {
     const Interval interval{estimates[i - 1], estimates[i], pair_of[i - 1], pair_of[i], options};
     if (!has_estimated_twist(interval, truth)) continue;
-    const auto found = true_twist(truth, interval, similarity);
+    const auto found = true_twist(truth, interval, similarity, velocities);
     const bool is_metric =
         estimates[i].is_metric && (estimates[i].twist_in_camera || estimates[i - 1].is_metric);
     if (!found) continue;

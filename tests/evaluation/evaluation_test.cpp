@@ -182,6 +182,43 @@ TEST(Evaluate, JudgesVelocityAloneWithATruthOfVelocities) {
   EXPECT_NEAR(mean_error(frame_errors(estimates, truth), FrameFigure::velocity).value(), 0.2, 1e-9);
 }
 
+// v = (t, 0, 0): linear interpolation is exact. Rows at the stamps of the frames, and at lower
+// rates.
+TEST(Evaluate, InterpolatesATruthOfVelocitiesAndUsesEachRowOnce) {
+  constexpr int kRate_hz = 30, kSeconds = 4;
+  std::vector<EvaluatedMotion> estimates;
+  for (int i = 0; i <= kRate_hz * kSeconds; ++i) {
+    const double t_s = static_cast<double>(i) / kRate_hz;
+    estimates.push_back({.stamp = from_seconds(t_s),
+                         .world_from_body = {},
+                         .twist_in_camera = Twist{.velocity_m_s = {t_s - 0.5 / kRate_hz, 0, 0}}});
+  }
+  for (const int rate_hz : {30, 10, 5, 100}) {
+    Truth truth;
+    for (int i = 0; i <= rate_hz * kSeconds; ++i) {
+      const double t_s = static_cast<double>(i) / rate_hz;
+      truth.velocities.push_back({from_seconds(t_s), {t_s, 0, 0}});
+    }
+    const Evaluation result = evaluate(estimates, truth);
+    EXPECT_NEAR(result.matched, std::min(rate_hz, kRate_hz) * kSeconds, 1) << rate_hz;
+    EXPECT_LE(result.matched, std::ssize(truth.velocities)) << rate_hz;
+    EXPECT_NEAR(result.velocity->rmse.norm(), 0, 1e-8) << rate_hz;
+  }
+}
+
+TEST(Evaluate, DoesNotInterpolateATruthOfVelocitiesOverAGap) {
+  std::vector<EvaluatedMotion> estimates;
+  Truth truth;
+  for (int i = 0; i < kFrames; ++i) {
+    const bool is_gap = i > 50 && i < 60;
+    if (!is_gap) truth.velocities.push_back({from_seconds(0.1 * i), {10, 0, 0}});
+    estimates.push_back({.stamp = from_seconds(0.1 * i),
+                         .world_from_body = {},
+                         .twist_in_camera = Twist{.velocity_m_s = {10, 0, 0}}});
+  }
+  EXPECT_EQ(evaluate(estimates, truth).matched, kFrames - 1 - 10);
+}
+
 // A yaw error of 0.01 rad of its own standard deviation turns 10 m/s by 0.1 m/s.
 TEST(Evaluate, AttitudeCovarianceExplainsTheRotationOfATrueVelocity) {
   std::vector<EvaluatedMotion> estimates;
