@@ -69,6 +69,7 @@ Messages input_warnings(const EstimatorRun& run) {
   Messages messages;
   if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
   if (const auto message = no_ground_in_view(run.inputs())) messages.push_back(*message);
+  if (run.inputs().mount_note) messages.push_back(*run.inputs().mount_note);
   const GroundTruth& truth = run.inputs().truth;
   if (!truth.has_attitude && run.config().truth.path) {
     messages.emplace_back(

@@ -89,4 +89,22 @@ RigidTransform mount_of(const MountConfig& mount, const Calibration& calibration
   return {body_from_camera_looking_down(mount.down_deg.value_or(90.0)), position};
 }
 
+std::optional<std::string> replaced_mount_note(const MountConfig& mount,
+                                               const Calibration& calibration) {
+  constexpr double kMaxDifference_rad = 3 * kDegree;
+  if (!calibration.body_from_camera || !(mount.down_deg || mount.rotation_wxyz)) {
+    return std::nullopt;
+  }
+  const Eigen::Quaterniond& by_calibration = calibration.body_from_camera->rotation;
+  const double difference_rad =
+      angle_between_rad(mount_of(mount, calibration).rotation, by_calibration);
+  if (difference_rad <= kMaxDifference_rad) return std::nullopt;
+  const Eigen::Vector3d axis = by_calibration * Eigen::Vector3d::UnitZ();
+  return fmt::format(
+      "{} replaces the calibration's mount, which differs by {:.0f} deg (its optical axis is "
+      "{:.0f} deg below the horizon of the body: x forward, y left, z up); remove one of them",
+      mount.rotation_wxyz ? "mount.rotation_wxyz" : "mount.down_deg", difference_rad / kDegree,
+      std::atan2(-axis.z(), axis.head<2>().norm()) / kDegree);
+}
+
 }  // namespace stillkite

@@ -2,6 +2,7 @@
 
 #include <opencv2/core/types.hpp>
 #include <optional>
+#include <string>
 
 #include "io/config/run_config.hpp"
 #include "io/dataset/calibration.hpp"
@@ -21,5 +22,10 @@ class ImageMask;
 /// body_from_camera of the configuration, else of the calibration, else looking down. Throws
 /// InputError on contradictory keys and a quaternion that is not of unit norm.
 [[nodiscard]] RigidTransform mount_of(const MountConfig& mount, const Calibration& calibration);
+
+/// Message if the configuration replaces a mount of the calibration that differs from it by more
+/// than a mount measured by hand, 3 degrees.
+[[nodiscard]] std::optional<std::string> replaced_mount_note(const MountConfig& mount,
+                                                             const Calibration& calibration);
 
 }  // namespace stillkite

@@ -16,6 +16,7 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
   const Calibration calibration = find_calibration(config, dataset, first.grey.size(), mask.get());
   FlightInputs inputs{.camera = calibration.camera,
                       .body_from_camera = mount_of(config.mount, calibration),
+                      .mount_note = replaced_mount_note(config.mount, calibration),
                       .mask = mask};
   inputs.truth = read_ground_truth(config.truth, dataset);
   inputs.sensors = read_sensors(config, calibration.timeshift_cam_imu_s);

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "flow/frame.hpp"
@@ -18,6 +20,7 @@ namespace stillkite {
 struct FlightInputs {
   Camera camera;
   RigidTransform body_from_camera;
+  std::optional<std::string> mount_note;  ///< replaced_mount_note
   std::shared_ptr<const ImageMask> mask;  ///< null: no mask
   InitialState initial;
   SensorLog sensors;

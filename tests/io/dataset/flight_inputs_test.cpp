@@ -1,5 +1,6 @@
 #include "io/dataset/flight_inputs.hpp"
 
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -154,6 +155,29 @@ T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
   EXPECT_NE(error().find("mount.position_m: the calibration has extrinsics"), std::string::npos);
   config.mount.down_deg = 30;
   EXPECT_EQ(error(), "accepted");
+}
+
+// The calibration's camera looks up: its z axis is the body's.
+TEST_F(Inputs, ReportsAMountThatContradictsTheCalibration) {
+  config.calibration = {.path = folder.file("sensor.yaml", R"(sensor_type: camera
+camera_model: pinhole
+resolution: [1920, 1080]
+intrinsics: [1152, 1152, 959.5, 539.5]
+distortion_model: none
+T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
+)"),
+                        .camera = {}};
+  EXPECT_FALSE(read().mount_note);
+  config.mount.rotation_wxyz = {std::cos(0.02), std::sin(0.02), 0, 0};  // 2.3 deg
+  EXPECT_FALSE(read().mount_note);
+  config.mount.rotation_wxyz = {std::cos(0.05), std::sin(0.05), 0, 0};  // 5.7 deg
+  EXPECT_NE(read().mount_note.value_or("").find("mount.rotation_wxyz replaces the calibration's "
+                                                "mount, which differs by 6 deg (its optical axis "
+                                                "is -90 deg below"),
+            std::string::npos);
+  config.mount.rotation_wxyz.reset();
+  config.mount.down_deg = 90;
+  EXPECT_NE(read().mount_note.value_or("").find("which differs by 180 deg"), std::string::npos);
 }
 
 TEST_F(Inputs, AlignsBarometerToInitialHeight) {
