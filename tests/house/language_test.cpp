@@ -81,7 +81,7 @@ std::vector<std::string> tracked_files() {
   std::vector<std::string> files;
   const std::string command = "git -C '" + kProject.string() + "' ls-files 2>/dev/null";
   const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), pclose);
-  std::array<char, 4096> line;
+  std::array<char, 4096> line{};
   while (output && std::fgets(line.data(), line.size(), output.get())) {
     files.emplace_back(line.data(), std::strcspn(line.data(), "\n"));
   }
