@@ -33,6 +33,10 @@ Matrix6d stamp_error_covariance(const PoseEstimate& camera, const Twist& twist_i
   return stamp_sigma_s * stamp_sigma_s * error * error.transpose();
 }
 
+bool is_aligned(Verdict verdict) {
+  return verdict == Verdict::ok || verdict == Verdict::not_flat;
+}
+
 FlowQuality quality_of(const PlaneAlignment& alignment) {
   return {.flow_vectors = alignment.tiles,
           .inlier_ratio = alignment.inlier_ratio,
@@ -60,10 +64,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   current_.build(frame.grey, config_.alignment.levels);
   if (interval.rejection == Verdict::first_frame) return initialize(frame, readings);
   const double pyramid_ms = watch.lap_ms();
-  if (interval.standstill) {
-    track_.stand_still(interval, readings, frame.stamp);
-    return stand_still(frame);
-  }
+  if (interval.standstill) return stand_still(frame, interval, readings);
   // 2. Predict pose and velocity.
   track_.predict(interval.dt_s, readings);
   // 3. Align the image to the keyframe, from the predicted motion.
@@ -74,34 +75,22 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   // 4. Validate the alignment.
   const Verdict verdict = interval.rejection ? *interval.rejection : validate(alignment);
   // 5. Chain it to the keyframe, level both by the plane's normal, and filter; or coast.
-  if (verdict == Verdict::ok) {
-    view_ = make_view(alignment, hints.normal);
-    track_.update(alignment, readings, frame.stamp, frame.stamp_sigma_s);
-    // a keyframe taken before the velocity converged needs it for its rolling shutter
-    if (is_speed_initializing()) {
-      track_.set_keyframe_twist(track_.filter().twist_in_camera());
-    }
-  } else {
-    track_.coast(readings, frame.stamp);
-  }
-  not_flat_motion_.reset();
-  if (verdict == Verdict::not_flat) not_flat_motion_ = alignment.motion;
+  update_track(verdict, alignment, hints, readings, frame);
   // 6. Replace a keyframe that is almost out of view or does not align any more.
-  const bool new_keyframe = verdict == Verdict::ok || verdict == Verdict::not_flat
-                                ? count_success(alignment)
-                                : count_failure(verdict, interval);
-  if (new_keyframe) take_keyframe();
+  const bool new_keyframe = renew_keyframe(verdict, alignment, interval);
   NavigationEstimate out = answer(frame, verdict);
   out.new_keyframe = new_keyframe;
   // over ground that is not flat too: static overlays are found by it
-  if (verdict == Verdict::ok || verdict == Verdict::not_flat) set_image_shift(out);
+  if (is_aligned(verdict)) set_image_shift(out);
   out.quality = quality_of(alignment);
   out.stage_ms = {pyramid_ms, flow_ms, 0, watch.lap_ms()};
   return out;
 }
 
 // The tiles keep their positions for the next frame.
-NavigationEstimate KeyframeNavigator::stand_still(const Frame& frame) {
+NavigationEstimate KeyframeNavigator::stand_still(const Frame& frame, const FrameInterval& interval,
+                                                  const SensorReadings& readings) {
+  track_.stand_still(interval, readings, frame.stamp);
   failures_ = 0;
   has_tiles_ = false;
   NavigationEstimate out = answer(frame, Verdict::still);
@@ -204,6 +193,29 @@ void KeyframeNavigator::set_image_shift(NavigationEstimate& out) const {
   });
   if (count == 0) return;
   out.image_shift_px = shift_px / count;
+}
+
+void KeyframeNavigator::update_track(Verdict verdict, const PlaneAlignment& alignment,
+                                     const FlowHints& hints, const SensorReadings& readings,
+                                     const Frame& frame) {
+  not_flat_motion_.reset();
+  if (verdict == Verdict::not_flat) not_flat_motion_ = alignment.motion;
+  if (verdict != Verdict::ok) {
+    track_.coast(readings, frame.stamp);
+    return;
+  }
+  view_ = make_view(alignment, hints.normal);
+  track_.update(alignment, readings, frame.stamp, frame.stamp_sigma_s);
+  // a keyframe taken before the velocity converged needs it for its rolling shutter
+  if (is_speed_initializing()) track_.set_keyframe_twist(track_.filter().twist_in_camera());
+}
+
+bool KeyframeNavigator::renew_keyframe(Verdict verdict, const PlaneAlignment& alignment,
+                                       const FrameInterval& interval) {
+  const bool is_due =
+      is_aligned(verdict) ? count_success(alignment) : count_failure(verdict, interval);
+  if (is_due) take_keyframe();
+  return is_due;
 }
 
 bool KeyframeNavigator::count_success(const PlaneAlignment& alignment) {

@@ -40,7 +40,8 @@ class KeyframeNavigator {
 
  private:
   NavigationEstimate initialize(const Frame& frame, const SensorReadings& readings);
-  NavigationEstimate stand_still(const Frame& frame);
+  NavigationEstimate stand_still(const Frame& frame, const FrameInterval& interval,
+                                 const SensorReadings& readings);
   void set_mask(const std::shared_ptr<const ImageMask>& mask);
   [[nodiscard]] PlaneAlignment align(bool allow_search);
   [[nodiscard]] PlaneMotion predicted_motion() const;
@@ -60,6 +61,11 @@ class KeyframeNavigator {
   [[nodiscard]] SmoothErrors smooth_errors() const;
   [[nodiscard]] Verdict validate(const PlaneAlignment& alignment);
   [[nodiscard]] Verdict classify(const PlaneAlignment& alignment) const;
+  void update_track(Verdict verdict, const PlaneAlignment& alignment, const FlowHints& hints,
+                    const SensorReadings& readings, const Frame& frame);
+  // true if this frame is the keyframe now
+  bool renew_keyframe(Verdict verdict, const PlaneAlignment& alignment,
+                      const FrameInterval& interval);
   // both return true if a new keyframe is needed
   [[nodiscard]] bool count_success(const PlaneAlignment& alignment);
   [[nodiscard]] bool count_failure(Verdict verdict, const FrameInterval& interval);
