@@ -18,6 +18,32 @@ namespace {
 constexpr int kMaxNodes = 100'000;
 constexpr int kMaxDepth = 32;
 
+// The braces of ${NAME} while the text is parsed: private characters, since YAML reads { and } as a
+// map in flow style, {path: ${DATA}/flight.mp4}.
+constexpr std::string_view kOpen = "\uE000";
+constexpr std::string_view kClose = "\uE001";
+
+std::string replace_all(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+std::string hide_variables(std::string text) {
+  for (std::size_t at = 0; (at = text.find("${", at)) != std::string::npos; ++at) {
+    const std::size_t close = text.find_first_of("{}\n", at + 2);
+    if (close == std::string::npos || text[close] != '}') continue;
+    text.replace(close, 1, kClose);
+    text.replace(at + 1, 1, kOpen);
+  }
+  return text;
+}
+
+std::string restore_variables(const std::string& text) {
+  return replace_all(replace_all(text, kOpen, "{"), kClose, "}");
+}
+
 class Converter {
  public:
   Converter(std::string origin, std::filesystem::path base_folder)
@@ -34,7 +60,7 @@ class Converter {
                                    to.where(), kMaxNodes, kMaxDepth));
     }
     if (from.IsScalar()) {
-      to.text = from.Scalar();
+      to.text = restore_variables(from.Scalar());
       to.quoted = from.Tag() == "!";
       to.kind = ConfigNode::Kind::scalar;
     } else if (from.IsSequence()) {
@@ -159,7 +185,7 @@ ConfigNode parse_yaml(const std::string& text, const std::string& origin,
     if (has_second_document(text)) {
       throw InputError(origin + ": more than one YAML document (---); keep one");
     }
-    const YAML::Node root = YAML::Load(text);
+    const YAML::Node root = YAML::Load(hide_variables(text));
     return Converter(origin, base_folder).convert(root, root.Mark(), 0);
   } catch (const YAML::Exception& error) {
     const bool is_tab = text.find('\t') != std::string::npos;

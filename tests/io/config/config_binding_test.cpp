@@ -181,6 +181,7 @@ TEST(ConfigBinding, ChecksOverridesLikeFileValues) {
 TEST(ConfigBinding, ExpandsEnvironmentVariablesInPaths) {
   ASSERT_EQ(setenv("STILLKITE_TEST_FOLDER", "/data", 1), 0);
   EXPECT_EQ(parse_sample("file: ${STILLKITE_TEST_FOLDER}/a/../b.csv").file, "/data/b.csv");
+  EXPECT_EQ(parse_sample("{file: ${STILLKITE_TEST_FOLDER}/b.csv}").file, "/data/b.csv");
   EXPECT_EQ(sample_error("file: ${STILLKITE_NO_SUCH}/x"),
             "a.yaml:1:1: file: environment variable STILLKITE_NO_SUCH in "
             "'${STILLKITE_NO_SUCH}/x' is not set; export it or write the full path");
