@@ -168,9 +168,9 @@ Matrix6d PoseTrack::common_twist_covariance(const ChainedPose& chained) const {
   return J * chained.common_covariance * J.transpose();
 }
 
-// Images are missing or were repeated without a trace in the stamps: the position is off by up to
-// the former velocity over `trust.max_gap_s`. Expected once an hour. The error by the stamp is that
-// of the predicted velocity: the measured one would contain the discontinuity.
+// Images are missing or were repeated without a trace in the stamps: a displacement of up to
+// `trust.max_gap_s` at the former velocity. Expected once an hour. The error by the stamp is that of
+// the predicted velocity: the measured one would contain the discontinuity.
 bool PoseTrack::is_discontinuity(const ChainedPose& chained, double stamp_sigma_s) const {
   constexpr double kMeanInterval_s = 3600;
   const Eigen::Vector3d position =
