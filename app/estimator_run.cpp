@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "app/interrupt.hpp"
 #include "app/progress_bar.hpp"
@@ -29,6 +30,8 @@ RunConfig effective_run_config(RunConfig config, const InitialState& initial) {
 HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
   NavigatorConfig navigator = config.navigator;
   navigator.fusion = with_imu_noise(navigator.fusion, inputs.sensors.imu_noise);
+  navigator.sensors.gyro_sigma_rad_s =
+      std::hypot(navigator.sensors.gyro_sigma_rad_s, inputs.sensors.rate_sigma_rad_s);
   return {inputs.camera,    inputs.body_from_camera,     navigator,
           config.estimator, in_shadow_mode(config.hold), inputs.initial};
 }

@@ -10,6 +10,7 @@
 
 #include "io/config/config_values.hpp"
 #include "io/dataset/imu_description.hpp"
+#include "io/dataset/interpolation_noise.hpp"
 #include "io/dataset/sensor_checks.hpp"
 
 namespace stillkite {
@@ -117,6 +118,29 @@ void read_body_imu(const ImuLogConfig& config, std::optional<double> timeshift_c
   raise(log.imu_noise.accel_bias_walk, noise.accel_bias_walk, defaults.accel_bias_walk);
 }
 
+TimeSeries<Eigen::Vector3d> forces_of(const TimeSeries<Vector6d>& imu) {
+  TimeSeries<Eigen::Vector3d> forces{
+      .stamps = imu.stamps, .values = {}, .max_gap_s = imu.max_gap_s};
+  for (const Vector6d& value : imu.values) forces.values.emplace_back(value.tail<3>());
+  return forces;
+}
+
+// Of logs whose rate does not resolve the motion between readings.
+void add_interpolation_noise(const FusionConfig& defaults, SensorLog& log) {
+  const auto add = [](std::optional<double>& density, double by_default,
+                      const TimeSeries<Eigen::Vector3d>& readings) {
+    const double own = density.value_or(by_default);
+    const InterpolationNoise noise = interpolation_noise(readings, own);
+    if (noise.density > 0) density = std::hypot(own, noise.density);
+    return noise.sigma;
+  };
+  log.rate_sigma_rad_s =
+      add(log.imu_noise.gyro_density, defaults.gyro_density, log.angular_rate_in_body_rad_s);
+  if (!log.imu.stamps.empty()) {
+    add(log.imu_noise.accel_density, defaults.accel_density, forces_of(log.imu));
+  }
+}
+
 // world_from_body = world_from_sensor sensor_from_body
 TimeSeries<Eigen::Quaterniond> read_body_attitudes(const AxesLogConfig& config) {
   TimeSeries<Eigen::Quaterniond> attitudes = read_attitudes(*config.path);
@@ -149,6 +173,7 @@ SensorLog read_sensors(const RunConfig& config, std::optional<double> timeshift_
   if (config.imu.path) {
     read_body_imu(config.imu, timeshift_cam_imu_s, config.navigator.fusion, log);
   }
+  add_interpolation_noise(config.navigator.fusion, log);
   if (config.attitude.path) log.attitude = read_body_attitudes(config.attitude);
   if (config.acceleration.path) {
     log.acceleration = read_accelerations(*config.acceleration.path);

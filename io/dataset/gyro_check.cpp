@@ -61,10 +61,11 @@ class GyroIntegral {
   std::vector<Sum> at_;
 };
 
-// Adds up consecutive image rotations to at least 0.1 s: at 240 frames per second the noise of one
-// frame exceeds its rotation.
+constexpr double kMinInterval_s = 0.1;
+
+// Adds up consecutive image rotations to at least kMinInterval_s: at 240 frames per second the
+// noise of one frame exceeds its rotation.
 std::vector<ObservedRotation> merged(std::span<const ObservedRotation> observed) {
-  constexpr double kMinInterval_s = 0.1;
   constexpr double kMaxRate_rad_s = 5;  // larger image rotations are outliers
   std::vector<ObservedRotation> out;
   std::optional<ObservedRotation> sum;
@@ -246,7 +247,11 @@ std::optional<std::string> gyro_inconsistency(const TimeSeries<Vector3d>& gyro,
     return fmt::format("the images rotate at {:.1f} deg/s, the gyroscope measures no rotation",
                        rate_rad_s / kDegree);
   }
-  const ClockOffset clock = clock_offset(sum, intervals, kMinPairs);
+  // two readings in each interval: else the error of the interpolation resembles an offset
+  const double reading_interval_s = median_interval_s(gyro.stamps).value_or(HUGE_VAL);
+  const bool resolves_offset = 2 * reading_interval_s <= kMinInterval_s;
+  const ClockOffset clock =
+      resolves_offset ? clock_offset(sum, intervals, kMinPairs) : ClockOffset{};
   Hypothesis best{clock.explained, clock_description(clock)};
   if (measured.explained_fraction(Matrix3d::Identity()) > kConsistentFraction) {
     const double offset_s = std::abs(clock.offset_s);

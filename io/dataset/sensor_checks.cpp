@@ -11,6 +11,7 @@
 #include "geometry/angle.hpp"
 #include "geometry/fields.hpp"
 #include "geometry/gravity.hpp"
+#include "io/dataset/interpolation_noise.hpp"
 
 namespace stillkite {
 namespace {
@@ -124,12 +125,11 @@ std::optional<std::string> gap_warning(const TimeSeries<Value>& series, const ch
 // Motion between two readings is not measured.
 template <typename Value>
 std::optional<std::string> rate_warning(const TimeSeries<Value>& series, const char* name) {
-  constexpr double kMinRate_hz = 50;
   const std::optional<double> interval_s = median_interval_s(series.stamps);
-  if (!interval_s || *interval_s * kMinRate_hz <= 1) return std::nullopt;
+  if (!interval_s || *interval_s * kMinImuRate_hz <= 1) return std::nullopt;
   return fmt::format(
       "{}: {:.3g} readings per second; rotation and acceleration between two readings are not "
-      "measured: log at 100 per second or more",
+      "measured, their noise is raised: log at 100 per second or more",
       name, 1 / *interval_s);
 }
 
@@ -191,9 +191,9 @@ std::vector<std::string> coverage_warnings(const SensorLog& log, Timestamp first
   std::vector<std::string> found;
   const auto check = [&](const auto& series, const char* name, bool is_inertial) {
     if (series.stamps.empty()) return;
-    const std::optional<std::string> rate = is_inertial ? rate_warning(series, name) : std::nullopt;
-    for (const auto& message : {coverage_warning(series, name, first, last), rate,
-                                rate ? std::nullopt : gap_warning(series, name, first, last)}) {
+    for (const auto& message : {coverage_warning(series, name, first, last),
+                                is_inertial ? rate_warning(series, name) : std::nullopt,
+                                gap_warning(series, name, first, last)}) {
       if (message) found.push_back(*message);
     }
   };

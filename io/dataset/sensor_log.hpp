@@ -41,8 +41,9 @@ struct SensorLog {
   TimeSeries<Vector6d> acceleration;               ///< as SensorReadings::acceleration
   TimeSeries<Vector6d> imu;  ///< angular rate, specific force; as SensorReadings::inertial
   std::size_t rejected_imu_readings = 0;  ///< count of reject_imu_outliers
-  ImuNoiseConfig imu_noise;               ///< of the configuration, else of imu0/sensor.yaml
-  double imu_lever_arm_m = 0;             ///< from the body's origin, by imu0/sensor.yaml
+  ImuNoiseConfig imu_noise;     ///< of the configuration, else imu0/sensor.yaml; of low rates
+  double rate_sigma_rad_s = 0;  ///< of angular rates between readings of a low rate
+  double imu_lever_arm_m = 0;   ///< from the body's origin, by imu0/sensor.yaml
 };
 
 /// A height or attitude reading is held for this long if it cannot be interpolated.

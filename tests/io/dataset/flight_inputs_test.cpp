@@ -180,6 +180,23 @@ T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
   EXPECT_NE(read().mount_note.value_or("").find("which differs by 180 deg"), std::string::npos);
 }
 
+// A triangle wave of 1 rad/s at 10 readings per second: second differences of 4 rad/s.
+TEST_F(Inputs, ALowRateRaisesTheNoiseOfTheImu) {
+  const auto density = [&](double interval_s) {
+    std::string rows = "t [s],wx,wy,wz,ax,ay,az\n";
+    for (int i = 0; i < 40; ++i) {
+      const int w = i % 2 == 0 ? 1 : -1;
+      rows += std::to_string(interval_s * i) + "," + std::to_string(w) + ",0,0,0,0,9.8\n";
+    }
+    config.imu.path = folder.file("imu.csv", rows);
+    return read().sensors.imu_noise.gyro_density;
+  };
+  const double own = FusionConfig{}.gyro_density;
+  const double step_variance = 16.0 / 3 / 2 - 3 * own * own / 0.1;
+  EXPECT_NEAR(density(0.1).value_or(0), std::hypot(own, std::sqrt(step_variance * 0.1 / 12)), 1e-6);
+  EXPECT_FALSE(density(0.01));
+}
+
 TEST_F(Inputs, AlignsBarometerToInitialHeight) {
   config.height = {.source = HeightSource::barometer,
                    .path = folder.file("h.csv", "t [s],h\n1.4,308\n1.6,310\n")};

@@ -138,6 +138,25 @@ TEST(GyroCheck, FindsSmallestOffsetOfAPeriodicMotion) {
   EXPECT_TRUE(mentions(f, "add -0.060 to time_offset_s")) << message(f);
 }
 
+// The interpolation of 5 readings per second has a kink at each reading: the best offset is that to
+// the nearest frame, 24 ms.
+TEST(GyroCheck, ALowRateIsNoClockOffset) {
+  const auto rate = [](double t_s) {
+    return Vector3d(0.1 * std::sin(4.1 * t_s), 0.07 * std::sin(2.9 * t_s + 1),
+                    0.5 * std::sin(0.8 * std::numbers::pi * t_s));
+  };
+  Flight f;
+  for (int i = 0; i <= 60; ++i) {
+    f.gyro.stamps.push_back(from_seconds(0.2 * i));
+    f.gyro.values.push_back(rate(0.2 * i));
+  }
+  for (int i = 1; i < 360; ++i) {
+    f.observed.push_back(
+        {from_seconds((i - 1) / 30.0), from_seconds(i / 30.0), rate((i - 0.5) / 30) / 30});
+  }
+  EXPECT_EQ(message(f), "");
+}
+
 TEST(GyroCheck, DetectsGyroscopeWithoutSignal) {
   Flight f = flight();
   for (Vector3d& rate : f.gyro.values) rate.setConstant(1e-4);

@@ -95,6 +95,12 @@ TEST(SensorChecks, ReportsGapsAndLowRate) {
   EXPECT_NE(coverage_warnings(log, from_seconds(0), from_seconds(2))[0].find(
                 "imu.path: 10 readings per second"),
             std::string::npos);
+  log.imu.max_gap_s = 0.25;
+  log.imu.stamps.back().ns += 300'000'000;
+  ASSERT_EQ(coverage_warnings(log, from_seconds(0), from_seconds(2)).size(), 2u);
+  EXPECT_NE(coverage_warnings(log, from_seconds(0), from_seconds(2))[1].find(
+                "imu.path: 1 gap(s) of more than 0.25 s, 0.4 s in all"),
+            std::string::npos);
 }
 
 TEST(SensorChecks, ReportsLogsThatDoNotCoverTheFlight) {
