@@ -27,6 +27,12 @@ Messages uncovered_sensors(const EstimatorRun& run) {
   const Timestamp first = *tally.first_stamp, last = tally.last->stamp;
   Messages messages = coverage_warnings(run.inputs().sensors, first, last);
   if (run.inputs().truth.empty()) return messages;
+  if (run.inputs().truth.has_attitude &&
+      contradicts_constant_attitude(run.record().motions, run.inputs().truth.poses)) {
+    messages.emplace_back(
+        "truth: the attitude is the same in every row while the estimate turns: taken as unknown, "
+        "so only positions and velocities are evaluated");
+  }
   const std::int64_t matched = frames_with_truth(run.inputs(), run.record().motions);
   if (matched >= kMinEvaluatedFrames) return messages;
   const RowSpan truth = rows_of(run.inputs().truth);

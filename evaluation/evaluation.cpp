@@ -1,8 +1,10 @@
 #include "evaluation/evaluation.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "evaluation/twist_pairs.hpp"
+#include "geometry/angle.hpp"
 
 namespace stillkite {
 namespace {
@@ -131,6 +133,21 @@ std::vector<EvaluatedMotion> evaluated_motions(std::span<const NavigationEstimat
   result.reserve(estimates.size());
   for (const NavigationEstimate& estimate : estimates) result.push_back(evaluated_motion(estimate));
   return result;
+}
+
+bool contradicts_constant_attitude(std::span<const EvaluatedMotion> estimates,
+                                   std::span<const StampedPose> truth) {
+  constexpr double kMinRotation_rad = 20 * kDegree;
+  if (truth.size() < 2 || estimates.empty()) return false;
+  const bool is_constant = std::ranges::all_of(truth, [&](const StampedPose& pose) {
+    return pose.world_from_body.rotation.coeffs() ==
+           truth.front().world_from_body.rotation.coeffs();
+  });
+  const Eigen::Quaterniond& first = estimates.front().world_from_body.rotation;
+  return is_constant && std::ranges::any_of(estimates, [&](const EvaluatedMotion& motion) {
+           return motion.has_attitude &&
+                  angle_between_rad(motion.world_from_body.rotation, first) > kMinRotation_rad;
+         });
 }
 
 std::vector<PosePair> matched_poses(std::span<const EvaluatedMotion> estimates, const Truth& truth,

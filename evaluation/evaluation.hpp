@@ -46,6 +46,12 @@ struct EvaluatedMotion {
 [[nodiscard]] std::vector<EvaluatedMotion> evaluated_motions(std::span<const StampedPose> poses,
                                                              bool has_attitude = true);
 
+/// True if the attitude is the same in every row of the truth, so filled in, while the estimate
+/// turns by more than 20 degrees: no drift, and a truth that holds its attitude exactly does not
+/// move so.
+[[nodiscard]] bool contradicts_constant_attitude(std::span<const EvaluatedMotion> estimates,
+                                                 std::span<const StampedPose> truth);
+
 /// Estimates with a true pose. If one of the two has no attitude, it gets the other's.
 [[nodiscard]] std::vector<PosePair> matched_poses(std::span<const EvaluatedMotion> estimates,
                                                   const Truth& truth, double tolerance_s);
@@ -76,9 +82,9 @@ struct Evaluation {
 };
 
 /// Velocities are compared half way between a frame and the one before it, to
-/// `truth.twists_in_camera` if not empty, else to `truth.velocities` (each row once), else to differenced true
-/// poses. Non-metric estimates contribute attitude and angular rate only. Truth or estimate without
-/// attitude leaves attitude and angular rate empty.
+/// `truth.twists_in_camera` if not empty, else to `truth.velocities` (each row once), else to
+/// differenced true poses. Non-metric estimates contribute attitude and angular rate only. Truth or
+/// estimate without attitude leaves attitude and angular rate empty.
 [[nodiscard]] Evaluation evaluate(std::span<const EvaluatedMotion> estimates, const Truth& truth,
                                   const EvaluationOptions& options = {});
 

@@ -147,6 +147,25 @@ TEST(Evaluate, DoesNotJudgeAttitudeWithATruthOfPositions) {
   EXPECT_FALSE(result.nees.angular_rate);
 }
 
+// A constant attitude, other than the identity, of a turning vehicle or of one that flies straight.
+TEST(Evaluate, RecognizesAnAttitudeThatIsFilledIn) {
+  for (const bool turns : {true, false}) {
+    std::vector<StampedPose> truth;
+    std::vector<EvaluatedMotion> estimates;
+    for (int i = 0; i < kFrames; ++i) {
+      const Timestamp stamp = from_seconds(0.1 * i);
+      const Eigen::Quaterniond constant = so3_exp({0, 0, 1});
+      truth.push_back({stamp, {constant, Eigen::Vector3d::Zero()}});
+      const double yaw_rad = (turns ? 0.05 : 0.002) * i;
+      estimates.push_back(
+          {.stamp = stamp, .world_from_body = {so3_exp({0, 0, yaw_rad}), Eigen::Vector3d::Zero()}});
+    }
+    EXPECT_EQ(contradicts_constant_attitude(estimates, truth), turns);
+    truth.back().world_from_body.rotation = so3_exp({0, 0, 1.001});
+    EXPECT_FALSE(contradicts_constant_attitude(estimates, truth));
+  }
+}
+
 TEST(Evaluate, DoesNotJudgeAttitudeOfAnEstimateOfPositions) {
   Truth truth = straight_flight();
   const auto estimates = evaluated_motions(truth.poses, false);
