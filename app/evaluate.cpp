@@ -70,7 +70,10 @@ std::string span_text(const RowSpan& span) {
 }
 
 // Hint if one recording is about 10^3, 10^6 or 10^9 times longer than the other, or "".
-std::string unit_hint(double truth_s, double estimate_s) {
+std::string unit_hint(const RowSpan& truth, const RowSpan& estimate) {
+  constexpr std::size_t kMinRows = 10;  // fewer may be a short part of the other recording
+  if (truth.rows < kMinRows || estimate.rows < kMinRows) return "";
+  const double truth_s = truth.duration_s(), estimate_s = estimate.duration_s();
   if (!(truth_s > 0 && estimate_s > 0)) return "";
   const double exponent = std::log10(estimate_s / truth_s);
   const double thousands = std::round(exponent / 3);
@@ -93,8 +96,7 @@ void reject_if_unmatched(const Evaluation& evaluation, const EvaluateArguments& 
         "that both use the same clock, set --time-offset-s, or increase --tolerance-s",
         arguments.estimate, evaluation.matched, arguments.tolerance_s,
         arguments.truth.empty() ? arguments.truth_velocity : arguments.truth,
-        span_text(of_estimate), span_text(of_truth),
-        unit_hint(of_truth.duration_s(), of_estimate.duration_s())));
+        span_text(of_estimate), span_text(of_truth), unit_hint(of_truth, of_estimate)));
   }
   if (!evaluation.alignment && !truth.poses.empty()) {
     throw InputError(fmt::format(

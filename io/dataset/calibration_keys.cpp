@@ -65,8 +65,8 @@ KeyKind kind_of(std::string_view key) {
   constexpr auto kShutter = std::to_array<std::string_view>({"shutter", "line_delay", "readout"});
   constexpr auto kClock =
       std::to_array<std::string_view>({"timeshift", "time_shift", "time_offset", "timeoffset",
-                                       "timedelay", "delay", "latency", "clock"});
-  constexpr auto kClockWords = std::to_array<std::string_view>({"td", "toffset"});
+                                       "temporal", "timedelay", "delay", "latency", "clock"});
+  constexpr auto kClockWords = std::to_array<std::string_view>({"td", "dt", "lag", "toffset"});
   constexpr auto kMount = std::to_array<std::string_view>(
       {"extrinsic", "mount", "rotation", "translation", "quaternion", "orientation", "lever",
        "_from_", "_wrt_", "_to_"});
@@ -76,7 +76,7 @@ KeyKind kind_of(std::string_view key) {
   constexpr auto kLens = std::to_array<std::string_view>(
       {"distort", "distcoeff", "dist_coeff", "intrinsic", "focal", "principal", "fisheye",
        "camera_model", "camera_matrix", "model_type", "camera_type", "thin_prism", "tilted",
-       "projection_param", "mirror_param", "lens", "field_of_view", "binning", "resolution"});
+       "projection_param", "mirror", "lens", "field_of_view", "binning", "resolution"});
   constexpr auto kLensWords = std::to_array<std::string_view>(
       {"xi", "fx", "fy", "cx", "cy", "fov", "skew", "zoom", "crop", "k1", "k2",
        "k3", "k4", "k5", "k6", "p1", "p2",  "s1",   "s2",   "s3",   "s4"});

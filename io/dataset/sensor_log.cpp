@@ -128,7 +128,16 @@ Eigen::Vector3d rates_at(const TableReader& row) {
         "ax, ay, az in m/s^2",
         row.name(1)));
   }
-  return vector_at(row, 1, kRates_rad_s);
+  const Eigen::Vector3d rates_rad_s = vector_at(row, 1);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double rate_rad_s = rates_rad_s[static_cast<Eigen::Index>(i)];
+    if (kRates_rad_s.contains(rate_rad_s)) continue;
+    row.reject(fmt::format(
+        "{}: {} is out of range, allowed: [{}, {}] rad/s; if the log is in deg/s, convert it to "
+        "rad/s (factor 0.01745329)",
+        row.column_name(i + 1), rate_rad_s, kRates_rad_s.min, kRates_rad_s.max));
+  }
+  return rates_rad_s;
 }
 
 std::vector<Timestamp> without_jitter(std::span<const Timestamp> stamps) {

@@ -50,6 +50,16 @@ std::string_view unit_of_large_stamp(std::string_view cell) {
   }
 }
 
+bool is_geographic(std::string_view column_name) {
+  std::string name(column_name);
+  std::ranges::transform(name, name.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::size_t end = name.find_first_of(" _[(");
+  const std::string word = name.substr(0, end);
+  return word == "lat" || word == "lon" || word == "lng" || word == "latitude" ||
+         word == "longitude";
+}
+
 }  // namespace
 
 TableReader::TableReader(const std::filesystem::path& file, Separator separator,
@@ -168,6 +178,12 @@ void TableReader::check_units() const {
                     line, names_[0]));
   }
   for (std::size_t i = 0; i < units_.size() && i + 1 < names_.size(); ++i) {
+    if (units_[i] == Unit::metre && is_geographic(names_[i + 1])) {
+      throw InputError(fmt::format(
+          "{}: column '{}': positions must be in metres, x, y, z in one local frame (for "
+          "example east, north, up); convert latitude and longitude",
+          line, names_[i + 1]));
+    }
     if (unit_in(names_[i + 1]).value_or(units_[i]) == units_[i]) continue;
     throw InputError(fmt::format("{}: column '{}' must be in {}; convert it or reorder the columns",
                                  line, names_[i + 1], symbol_of(units_[i])));

@@ -40,6 +40,8 @@ class TableReader {
   [[nodiscard]] std::string_view name(std::size_t column) const {
     return column < names_.size() ? std::string_view(names_[column]) : std::string_view();
   }
+  /// For messages: column 'NAME', or its number.
+  [[nodiscard]] std::string column_name(std::size_t column) const;
 
   /// Throws InputError at the current row.
   [[noreturn]] void reject(const std::string& problem) const;
@@ -48,7 +50,6 @@ class TableReader {
   void parse_names(std::string_view line);
   void check_units() const;
   void split(std::string_view line);
-  [[nodiscard]] std::string column_name(std::size_t column) const;
   [[nodiscard]] std::string stamp_problem() const;
 
   std::string file_;

@@ -1,10 +1,10 @@
 #include "io/results/run_summary.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "geometry/euler.hpp"
 
@@ -119,10 +119,14 @@ json run_summary(const RunTally& tally, const RunFacts& facts, json evaluation) 
   };
 }
 
+// Not getrusage: its peak includes that of the process that started this one.
 double peak_rss_mib() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    double peak_kib = 0;
+    if (word == "VmHWM:" && status >> peak_kib) return peak_kib / 1024.0;
+  }
+  return std::nan("");
 }
 
 }  // namespace stillkite

@@ -172,12 +172,13 @@ TEST(Calibration, RejectsUnreadKeysOfMountClockAndLens) {
     EXPECT_NE(error(line).find("looks like a mount"), std::string::npos) << line << error(line);
     EXPECT_NE(error(line).find("mount.rotation_wxyz"), std::string::npos) << line;
   }
-  for (const char* line : {"td: 0.02", "time_offset: -0.01", "image_delay: 0.003"}) {
+  for (const char* line : {"td: 0.02", "time_offset: -0.01", "image_delay: 0.003",
+                           "temporal_offset: 0.1", "lag: 0.1", "cam_dt: 0.05"}) {
     EXPECT_NE(error(line).find("imu.time_offset_s"), std::string::npos) << line << error(line);
   }
   EXPECT_NE(error("line_delay: 3e-5").find("navigator.readout_s"), std::string::npos);
   for (const char* line : {"xi: 1.2", "distortion_parameters: {k1: 0.1}", "Camera.fx: 400",
-                           "model_type: MEI", "thin_prism: [0.1, 0]"}) {
+                           "model_type: MEI", "thin_prism: [0.1, 0]", "mirror: true"}) {
     EXPECT_NE(error(line).find("looks like a lens"), std::string::npos) << line << error(line);
   }
   EXPECT_EQ(error("td: 0.02"),

@@ -214,8 +214,10 @@ TEST(SensorLog, RejectsImplausibleImuReadings) {
     const std::filesystem::path file = folder.file("imu.csv", text);
     return input_error_of(folder, [&] { (void)read_imu(file); });
   };
-  EXPECT_EQ(error("1,0,0,0,0,0,9.8\n2,0,1e160,0,0,0,9.8\n"),
-            "imu.csv:2: column 3: 1e160 is out of range, allowed: [-100, 100]");
+  EXPECT_EQ(
+      error("1,0,0,0,0,0,9.8\n2,0,1e160,0,0,0,9.8\n"),
+      "imu.csv:2: column 3: 1e+160 is out of range, allowed: [-100, 100] rad/s; if the log is "
+      "in deg/s, convert it to rad/s (factor 0.01745329)");
   EXPECT_NE(error("1,0,0,0,0,0,1e5\n").find("out of range"), std::string::npos);
   for (const char* name : {"ax", "acc_x", "a_RS_S_x", "linear_acceleration.x"}) {
     EXPECT_NE(error(std::string("timestamp [ns],") + name + ",b,c,d,e,f\n1,0,0,9.8,0,0,0\n")

@@ -27,6 +27,15 @@ TEST(TrajectoryFile, TumReadsBackExactly) {
   EXPECT_EQ(read_trajectory(folder.path()).size(), poses.size());  // output folder of a run
 }
 
+TEST(TrajectoryFile, RejectsLatitudeAndLongitude) {
+  const TemporaryFolder folder;
+  for (const char* header : {"#t [ns],lat,lon,alt", "t [ns],Latitude [deg],Longitude [deg],h"}) {
+    const auto file = folder.file("gnss.csv", std::string(header) + "\n1500000000,47.1,8.5,400\n");
+    const std::string error = input_error_of(folder, [&] { (void)read_positions(file); });
+    EXPECT_NE(error.find("positions must be in metres"), std::string::npos) << header << error;
+  }
+}
+
 TEST(TrajectoryFile, EurocAndTumGiveEqualPoses) {
   const TemporaryFolder folder;
   const auto euroc = read_trajectory(folder.file(

@@ -1,4 +1,13 @@
+#include <fmt/core.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "io/dataset/table_reader.hpp"
 #include "io/dataset/trajectory_file.hpp"
@@ -96,6 +105,28 @@ TEST(RunOutput, SummaryCountsFramesAndHasNoNaN) {
   EXPECT_TRUE(summary["evaluation"].is_null());
   EXPECT_GT(summary["memory"]["peak_rss_mib"].get<double>(), 1);
   EXPECT_EQ(summary.dump().find("nan"), std::string::npos);
+}
+
+TEST(RunOutput, DISABLED_PrintsPeakMemory) {
+  fmt::print("peak {:.1f} MiB\n", peak_rss_mib());
+}
+
+// A process that holds 300 MiB starts this program again.
+TEST(RunOutput, PeakMemoryIsThatOfThisProcessAlone) {
+  const std::vector<char> held(300 << 20, 'x');
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
+  const std::string command = program +
+                              " --gtest_also_run_disabled_tests "
+                              "--gtest_filter=RunOutput.DISABLED_PrintsPeakMemory";
+  FILE* const output = popen(command.c_str(), "r");
+  ASSERT_NE(output, nullptr);
+  double peak_mib = 0;
+  for (std::array<char, 256> line{}; std::fgets(line.data(), line.size(), output) != nullptr;) {
+    if (std::string_view(line.data()).starts_with("peak ")) peak_mib = std::atof(&line[5]);
+  }
+  EXPECT_EQ(pclose(output), 0);
+  EXPECT_GT(peak_mib, 1);
+  EXPECT_LT(peak_mib, 0.5 * static_cast<double>(held.size() >> 20));
 }
 
 TEST(RunOutput, CommandsAreCountedAndReadBack) {
