@@ -23,24 +23,32 @@ constexpr int kMaxDepth = 32;
 constexpr std::string_view kOpen = "\uE000";
 constexpr std::string_view kClose = "\uE001";
 
-std::string replace_all(std::string text, std::string_view from, std::string_view to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
-    text.replace(at, from.size(), to);
+std::string replace_all(std::string_view text, std::string_view from, std::string_view to) {
+  std::string out;
+  for (std::size_t at; (at = text.find(from)) != std::string_view::npos;) {
+    out.append(text.substr(0, at)).append(to);
+    text.remove_prefix(at + from.size());
   }
-  return text;
+  return out.append(text);
 }
 
-std::string hide_variables(std::string text) {
-  for (std::size_t at = 0; (at = text.find("${", at)) != std::string::npos; ++at) {
-    const std::size_t close = text.find_first_of("{}\n", at + 2);
-    if (close == std::string::npos || text[close] != '}') continue;
-    text.replace(close, 1, kClose);
-    text.replace(at + 1, 1, kOpen);
+std::string hide_variables(std::string_view text) {
+  std::string out;
+  for (std::size_t open; (open = text.find("${")) != std::string_view::npos;) {
+    out.append(text.substr(0, open + 1));
+    text.remove_prefix(open + 2);
+    const std::size_t close = text.find_first_of("{}\n");
+    if (close == std::string_view::npos || text[close] != '}') {
+      out += '{';
+      continue;
+    }
+    out.append(kOpen).append(text.substr(0, close)).append(kClose);
+    text.remove_prefix(close + 1);
   }
-  return text;
+  return out.append(text);
 }
 
-std::string restore_variables(const std::string& text) {
+std::string restore_variables(std::string_view text) {
   return replace_all(replace_all(text, kOpen, "{"), kClose, "}");
 }
 
