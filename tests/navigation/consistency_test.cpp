@@ -43,10 +43,11 @@ TEST(Consistency, TwistNeesMatchesCovariance) {
   const double rate = sum.rate / sum.frames;
   RecordProperty("velocity_nees", std::to_string(velocity));
   RecordProperty("rate_nees", std::to_string(rate));
-  // relief that the images do not exclude is allowed for: conservative over exactly flat ground
-  EXPECT_GT(velocity, 3.0 / 20);
+  // relief that the images do not exclude is allowed for: conservative over exactly flat ground,
+  // where the models halve the error but not this part (NEES of one model: 0.25, 0.19)
+  EXPECT_GT(velocity, 3.0 / 60);
   EXPECT_LT(velocity, 3.0);
-  EXPECT_GT(rate, 3.0 / 20);
+  EXPECT_GT(rate, 3.0 / 60);
   EXPECT_LT(rate, 3.0);
 }
 
