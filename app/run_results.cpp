@@ -30,10 +30,9 @@ std::string reasons(const json& verdicts) {
   return list.empty() ? list : list + ')';
 }
 
-// Without metric scale only the flow has lengths, in initial heights.
-void print_final_position(const json& summary, const NavigationEstimate& last) {
-  const bool is_metric = summary["scale"]["source"] != name_of(ScaleSource::none);
-  if (!is_metric && last.source != EstimateSource::flow) {
+void print_final_position(const NavigationEstimate& last) {
+  const bool is_metric = last.scale != ScaleSource::none;
+  if (!is_metric && !is_in_heights(last)) {
     fmt::print("final        no position (scale none)\n");
     return;
   }
@@ -73,7 +72,7 @@ void print_run_results(const json& summary, const RunTally& tally,
     fmt::print("commands     {} issued, {} held (shadow mode: not executed)\n",
                commands["issued"].dump(), commands["held"].dump());
   }
-  if (tally.last) print_final_position(summary, *tally.last);
+  if (tally.last) print_final_position(*tally.last);
   if (const json& errors = summary["evaluation"]; !errors.is_null()) {
     fmt::print("against truth: {} stamps, path {}\n", errors["matched"].dump(),
                figure(errors["path_length_m"], "m"));

@@ -77,7 +77,8 @@ struct NavigationEstimate {
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate), both in C
   std::optional<Twist> measured_twist;           ///< least squares before the filter (paper mode)
   Eigen::Vector3d velocity_in_world_m_s = Eigen::Vector3d::Zero();
-  /// Mean angular rate since the previous frame, by images alone (policy flow); empty: not measured.
+  /// Mean angular rate since the previous frame, by images alone (policy flow); empty: not
+  /// measured.
   std::optional<Eigen::Vector3d> measured_rate_in_camera_rad_s;
   /// Mean flow vector of the ground since the last image that was not frozen; empty: not measured.
   std::optional<Eigen::Vector2d> image_shift_px;
@@ -91,6 +92,11 @@ struct NavigationEstimate {
   std::optional<ReferenceReport> reference;    ///< empty if the reference estimator does not run
   std::array<double, kStageCount> stage_ms{};  ///< wall time, by Stage
 };
+
+/// True if the lengths are in initial heights: those of the flow without a scale source.
+[[nodiscard]] inline bool is_in_heights(const NavigationEstimate& estimate) {
+  return estimate.scale == ScaleSource::none && estimate.source == EstimateSource::flow;
+}
 
 /// Estimate with poses, pose covariance and velocity in the gravity-aligned world. Returned
 /// unchanged if `gravity_alignment` is empty.

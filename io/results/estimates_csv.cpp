@@ -26,7 +26,12 @@ constexpr const char* kHeader =
     "windows,inlier_ratio [],mean_flow [px],residual [px],condition [],"
     "reference_stamp [ns],reference_model,displacement,"
     "reference_dx [],reference_dy [],reference_dz [],"
-    "reference_qw [],reference_qx [],reference_qy [],reference_qz [],parallax [rad],source";
+    "reference_qw [],reference_qx [],reference_qy [],reference_qz [],parallax [rad],source,"
+    "x_in_heights [],y_in_heights [],z_in_heights [],"
+    "vx_world_in_heights [1/s],vy_world_in_heights [1/s],vz_world_in_heights [1/s],"
+    "vx_camera_in_heights [1/s],vy_camera_in_heights [1/s],vz_camera_in_heights [1/s],"
+    "sd_x_in_heights [],sd_y_in_heights [],sd_z_in_heights [],"
+    "sd_vx_camera_in_heights [1/s],sd_vy_camera_in_heights [1/s],sd_vz_camera_in_heights [1/s]";
 
 class Row {
  public:
@@ -49,8 +54,9 @@ class Row {
     for (const double value : values) number(value);
     return *this;
   }
-  Row& deviations(const Matrix6d& covariance) {
-    for (int i = 0; i < 6; ++i) number(std::sqrt(std::max(0.0, covariance(i, i))));
+  // Empty cells if the values are unknown.
+  Row& numbers_if(bool known, const auto& values) {
+    for (const double value : values) known ? number(value) : word("");
     return *this;
   }
   [[nodiscard]] std::string line() && { return std::move(text_ += '\n'); }
@@ -61,6 +67,10 @@ class Row {
   }
   std::string text_;
 };
+
+Vector6d deviations(const Matrix6d& covariance) {
+  return covariance.diagonal().cwiseMax(0).cwiseSqrt();
+}
 
 // Pose of the camera relative to the reference image, in the reference's camera frame. Displacement
 // in metres if metric, else a unit vector.
@@ -90,20 +100,30 @@ std::string estimates_csv_row(const NavigationEstimate& e) {
   const EulerAngles angles = to_euler(q);
   Row row;
   row.whole(e.stamp.ns).whole(e.frame_index).word(name_of(e.verdict));
-  row.numbers(e.world_from_body.translation).number(q.w()).numbers(q.vec());
+  const bool is_metric = e.scale != ScaleSource::none;
+  const Vector6d pose_sd = deviations(e.pose_covariance);
+  const Vector6d twist_sd = deviations(e.twist_covariance);
+  const Eigen::Vector3d& position = e.world_from_body.translation;
+  const Eigen::Vector3d& velocity_in_camera = e.twist_in_camera.velocity_m_s;
+  row.numbers_if(is_metric, position).number(q.w()).numbers(q.vec());
   row.number(angles.yaw_rad).number(angles.pitch_rad).number(angles.roll_rad);
-  row.numbers(e.velocity_in_world_m_s).numbers(e.twist_in_camera.vector());
-  if (e.measured_twist) {
-    row.numbers(e.measured_twist->vector());
-  } else {
-    for (int i = 0; i < 6; ++i) row.word("");
-  }
-  row.deviations(e.pose_covariance).deviations(e.twist_covariance);
+  row.numbers_if(is_metric, e.velocity_in_world_m_s);
+  row.numbers_if(is_metric, velocity_in_camera).numbers(e.twist_in_camera.angular_rate_rad_s);
+  const Vector6d measured = e.measured_twist.value_or(Twist()).vector();
+  row.numbers_if(e.measured_twist && is_metric, measured.head<3>());
+  row.numbers_if(e.measured_twist.has_value(), measured.tail<3>());
+  row.numbers_if(is_metric, pose_sd.head<3>()).numbers(pose_sd.tail<3>());
+  row.numbers_if(is_metric, twist_sd.head<3>()).numbers(twist_sd.tail<3>());
   row.word(name_of(e.scale)).number(e.scale_age_s).whole(e.new_keyframe ? 1 : 0);
   row.whole(e.quality.flow_vectors).number(e.quality.inlier_ratio).number(e.quality.mean_flow_px);
   row.number(e.quality.residual_px).number(e.quality.condition);
   add_reference(row, e.reference);
-  row.word(name_of(e.source)).numbers(e.stage_ms);
+  row.word(name_of(e.source));
+  row.numbers_if(is_in_heights(e), position).numbers_if(is_in_heights(e), e.velocity_in_world_m_s);
+  row.numbers_if(is_in_heights(e), velocity_in_camera);
+  row.numbers_if(is_in_heights(e), pose_sd.head<3>());
+  row.numbers_if(is_in_heights(e), twist_sd.head<3>());
+  row.numbers(e.stage_ms);
   return std::move(row).line();
 }
 

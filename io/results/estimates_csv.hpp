@@ -9,7 +9,8 @@ namespace stillkite {
 /// Header line of estimates.csv: names with units, newline included.
 [[nodiscard]] std::string estimates_csv_header();
 
-/// Row of one frame, newline included. Unmeasured cells are empty. Euler angles: ZYX, body.
+/// Row of one frame, newline included. Unknown cells are empty, those in
+/// metres without a scale source, too. Euler angles: ZYX, body.
 [[nodiscard]] std::string estimates_csv_row(const NavigationEstimate& estimate);
 
 }  // namespace stillkite

@@ -64,14 +64,19 @@ json ratio(std::int64_t part, std::int64_t all) {
 json final_state(const NavigationEstimate& e) {
   const EulerAngles angles = to_euler(e.world_from_body.rotation);
   const Eigen::Quaterniond& q = e.world_from_body.rotation;
+  const json position = numbers(e.world_from_body.translation);
+  const json velocity = numbers(e.velocity_in_world_m_s);
+  const bool is_metric = e.scale != ScaleSource::none;
   return {{"t_s", number(to_seconds(e.stamp))},
           {"verdict", name_of(e.verdict)},
-          {"position_m", numbers(e.world_from_body.translation)},
+          {"position_m", is_metric ? position : json()},
+          {"position_in_heights", is_in_heights(e) ? position : json()},
           {"quaternion_wxyz", numbers(std::array{q.w(), q.x(), q.y(), q.z()})},
           {"yaw_rad", number(angles.yaw_rad)},
           {"pitch_rad", number(angles.pitch_rad)},
           {"roll_rad", number(angles.roll_rad)},
-          {"velocity_in_world_m_s", numbers(e.velocity_in_world_m_s)}};
+          {"velocity_in_world_m_s", is_metric ? velocity : json()},
+          {"velocity_in_world_in_heights_s", is_in_heights(e) ? velocity : json()}};
 }
 
 json command_counts(const std::optional<CommandCounts>& counts) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -76,6 +77,42 @@ TEST(RunOutput, HeaderNamesEveryColumn) {
   EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
   EXPECT_TRUE(header.ends_with("pyramid [ms],flow [ms],solve [ms],filter [ms]\n"));
   EXPECT_TRUE(row.ends_with(",1,2,3,4\n"));
+}
+
+std::string cell(const NavigationEstimate& estimate, std::string_view column) {
+  const std::string header = estimates_csv_header();
+  const std::string row = estimates_csv_row(estimate);
+  std::istringstream names(header), cells(row);
+  std::string name, text;
+  while (std::getline(names, name, ',') && std::getline(cells, text, ',')) {
+    if (name == column) return text;
+  }
+  ADD_FAILURE() << "no column " << column;
+  return {};
+}
+
+TEST(RunOutput, LengthsWithoutScaleAreInHeights) {
+  NavigationEstimate estimate = sample(1);
+  for (const char* column : {"x_in_heights []", "sd_vx_camera_in_heights [1/s]"}) {
+    EXPECT_EQ(cell(estimate, column), "") << column;
+  }
+  EXPECT_EQ(cell(estimate, "y [m]"), "-2");
+  estimate.scale = ScaleSource::none;
+  for (const char* column : {"y [m]", "vx_world [m/s]", "vz_camera [m/s]", "sd_z [m]",
+                             "sd_vy_camera [m/s]", "measured_vx_camera [m/s]"}) {
+    EXPECT_EQ(cell(estimate, column), "") << column;
+  }
+  EXPECT_EQ(cell(estimate, "wz_camera [rad/s]"), "6");
+  EXPECT_EQ(cell(estimate, "sd_rz_world [rad]"), "6");
+  EXPECT_EQ(cell(estimate, "y_in_heights []"), "-2");
+  EXPECT_EQ(cell(estimate, "vz_camera_in_heights [1/s]"), "3");
+  RunTally tally;
+  tally.add(estimate);
+  const nlohmann::json summary = run_summary(tally, {.frames_read = 1, .wall_s = 1}, nullptr);
+  EXPECT_TRUE(summary["final"]["position_m"].is_null());
+  EXPECT_EQ(summary["final"]["position_in_heights"][1], -2);
+  estimate.source = EstimateSource::reference;
+  EXPECT_EQ(cell(estimate, "y_in_heights []"), "");
 }
 
 TEST(RunOutput, SummaryCountsFramesAndHasNoNaN) {
