@@ -176,11 +176,14 @@ void run(const EvaluateArguments& arguments) {
   const TruthOnDisk disk = read_truth(arguments);
   const std::vector<StampedPose> estimate = read_trajectory(arguments.estimate);
   const std::vector<EvaluatedMotion> motions = evaluated_motions(estimate, has_attitude(estimate));
-  const Evaluation evaluation = evaluate(motions, truth_of(disk.truth, {}, motions),
+  const Evaluation evaluation = evaluate(motions, truth_of(disk.truth, {}),
                                          {.tolerance_s = arguments.tolerance_s,
                                           .alignment = alignment_named(arguments.alignment),
                                           .body_from_camera = disk.body_from_camera});
   reject_if_unmatched(evaluation, arguments, disk.truth, estimate);
+  if (disk.truth.has_attitude && contradicts_constant_attitude(motions, disk.truth.poses)) {
+    fmt::print(stderr, "stillkite: {}\n", kConstantAttitude);
+  }
   if (arguments.json) {
     fmt::print("{}\n", json_text(evaluation_json(evaluation)));
   } else {
@@ -197,7 +200,7 @@ void add_evaluate(CLI::App& app) {
   command->add_option(
       "--truth", arguments->truth,
       "Ground truth: EuRoC data set or data.csv, or TUM file. With four columns, or with the "
-      "identity in every row, it has no attitude; nor with a constant one if the estimate turns");
+      "identity in every row, it has no attitude");
   command->add_option("--truth-velocity", arguments->truth_velocity,
                       "True velocities as truth.velocity of a run, with or without --truth");
   command

@@ -84,22 +84,20 @@ EvaluationOptions options_of(const FlightInputs& inputs) {
 
 }  // namespace
 
-Truth truth_of(const GroundTruth& truth, const TruthConfig& config,
-               std::span<const EvaluatedMotion> motions) {
-  return {
-      .poses = truth.poses,
-      .has_attitude = truth.has_attitude && !contradicts_constant_attitude(motions, truth.poses),
-      .twists_in_camera = truth.twists_in_camera,
-      .velocities = truth.velocities,
-      .sigma = {.position_m = config.position_sigma_m,
-                .attitude_rad = config.attitude_sigma_deg * kDegree,
-                .velocity_m_s = config.velocity_sigma_m_s,
-                .angular_rate_rad_s = config.angular_rate_sigma_deg_s * kDegree}};
+Truth truth_of(const GroundTruth& truth, const TruthConfig& config) {
+  return {.poses = truth.poses,
+          .has_attitude = truth.has_attitude,
+          .twists_in_camera = truth.twists_in_camera,
+          .velocities = truth.velocities,
+          .sigma = {.position_m = config.position_sigma_m,
+                    .attitude_rad = config.attitude_sigma_deg * kDegree,
+                    .velocity_m_s = config.velocity_sigma_m_s,
+                    .angular_rate_rad_s = config.angular_rate_sigma_deg_s * kDegree}};
 }
 
 std::int64_t frames_with_truth(const FlightInputs& inputs,
                                std::span<const EvaluatedMotion> motions) {
-  return evaluate(motions, truth_of(inputs.truth, {}, motions), options_of(inputs)).matched;
+  return evaluate(motions, truth_of(inputs.truth, {}), options_of(inputs)).matched;
 }
 
 json evaluation_json(const Evaluation& evaluation) {
@@ -132,8 +130,7 @@ json evaluation_json(const Evaluation& evaluation) {
 json run_evaluation(const FlightInputs& inputs, const TruthConfig& config,
                     std::span<const EvaluatedMotion> motions,
                     const std::optional<ReferenceError>& reference) {
-  Evaluation evaluation =
-      evaluate(motions, truth_of(inputs.truth, config, motions), options_of(inputs));
+  Evaluation evaluation = evaluate(motions, truth_of(inputs.truth, config), options_of(inputs));
   if (evaluation.matched < kMinEvaluatedFrames) return nullptr;
   evaluation.reference = reference;
   return evaluation_json(evaluation);
@@ -142,7 +139,7 @@ json run_evaluation(const FlightInputs& inputs, const TruthConfig& config,
 std::vector<FrameError> run_frame_errors(const FlightInputs& inputs,
                                          std::span<const EvaluatedMotion> motions) {
   if (frames_with_truth(inputs, motions) < kMinEvaluatedFrames) return {};
-  return frame_errors(motions, truth_of(inputs.truth, {}, motions), options_of(inputs));
+  return frame_errors(motions, truth_of(inputs.truth, {}), options_of(inputs));
 }
 
 }  // namespace stillkite

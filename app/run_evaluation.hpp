@@ -15,10 +15,8 @@ namespace stillkite {
 /// Minimum number of frames with truth for an evaluation.
 inline constexpr int kMinEvaluatedFrames = 3;
 
-/// Truth for the evaluation of `motions`, with its own error; without attitude if
-/// contradicts_constant_attitude.
-[[nodiscard]] Truth truth_of(const GroundTruth& truth, const TruthConfig& config,
-                             std::span<const EvaluatedMotion> motions);
+/// Truth with its own error.
+[[nodiscard]] Truth truth_of(const GroundTruth& truth, const TruthConfig& config);
 
 /// Number of frames with a true pose, or of those with a true velocity if there is no pose.
 [[nodiscard]] std::int64_t frames_with_truth(const FlightInputs& inputs,

@@ -29,9 +29,7 @@ Messages uncovered_sensors(const EstimatorRun& run) {
   if (run.inputs().truth.empty()) return messages;
   if (run.inputs().truth.has_attitude &&
       contradicts_constant_attitude(run.record().motions, run.inputs().truth.poses)) {
-    messages.emplace_back(
-        "truth: the attitude is the same in every row while the estimate turns: taken as unknown, "
-        "so only positions and velocities are evaluated");
+    messages.emplace_back(kConstantAttitude);
   }
   const std::int64_t matched = frames_with_truth(run.inputs(), run.record().motions);
   if (matched >= kMinEvaluatedFrames) return messages;

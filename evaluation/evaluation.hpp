@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "estimation/twist.hpp"
@@ -46,11 +47,14 @@ struct EvaluatedMotion {
 [[nodiscard]] std::vector<EvaluatedMotion> evaluated_motions(std::span<const StampedPose> poses,
                                                              bool has_attitude = true);
 
-/// True if the attitude is the same in every row of the truth, so filled in, while the estimate
-/// turns by more than 20 degrees: no drift, and a truth that holds its attitude exactly does not
-/// move so.
+/// True if the attitude is the same in every row of the truth while the estimate turns by more than
+/// 20 degrees: either the truth has none, or the estimate is wrong. It is judged as it is.
 [[nodiscard]] bool contradicts_constant_attitude(std::span<const EvaluatedMotion> estimates,
                                                  std::span<const StampedPose> truth);
+inline constexpr std::string_view kConstantAttitude =
+    "truth: the attitude is the same in every row while the estimate turns by more than 20 "
+    "degrees. "
+    "If it is unknown, set it to the identity or give positions alone (truth.positions)";
 
 /// Estimates with a true pose. If one of the two has no attitude, it gets the other's.
 [[nodiscard]] std::vector<PosePair> matched_poses(std::span<const EvaluatedMotion> estimates,
