@@ -22,7 +22,7 @@ constexpr double kSojourn_s = 3;
 
 MultipleModelFilter::MultipleModelFilter(const MotionFilterConfig& config) {
   static_assert(kModels == kAccelerationRatios.size() * kNoiseRatios.size());
-  auto model = models_.begin();
+  auto* model = models_.data();
   for (const double noise_ratio : kNoiseRatios) {
     for (const double acceleration_ratio : kAccelerationRatios) {
       MotionFilterConfig of_model = config;
