@@ -169,8 +169,8 @@ Matrix6d PoseTrack::common_twist_covariance(const ChainedPose& chained) const {
 }
 
 // Images are missing or were repeated without a trace in the stamps: a displacement of up to
-// `trust.max_gap_s` at the former velocity. Expected once an hour. The error by the stamp is that of
-// the predicted velocity: the measured one would contain the discontinuity.
+// `trust.max_gap_s` at the former velocity. Expected once an hour. The error by the stamp is that
+// of the predicted velocity: the measured one would contain the discontinuity.
 bool PoseTrack::is_discontinuity(const ChainedPose& chained, double stamp_sigma_s) const {
   constexpr double kMeanInterval_s = 3600;
   const Eigen::Vector3d position =
