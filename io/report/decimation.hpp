@@ -42,7 +42,7 @@ class DecimatedTable {
 
  private:
   struct Block {
-    float first, low, high;
+    float first = 0, low = 0, high = 0;
     bool low_is_first = true;  // the minimum comes before the maximum
   };
   struct Column {
