@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 namespace stillkite {
 namespace {
@@ -34,6 +35,7 @@ struct Flight {
   double acceleration_m_s2 = 0;       // along x, its sign changes every second
   double sigma_m = kPositionSigma_m;  // given standard deviation of the measured positions
   double noise_ratio = 1;             // of the measurements' standard deviation to the given one
+  double rotation_step_rad = 0;       // standard deviation from frame to frame, about each axis
 };
 
 struct Figures {
@@ -41,7 +43,7 @@ struct Figures {
   double nees = 0;  // of the mean velocity, 3 degrees of freedom
 };
 
-// Camera with random acceleration and poses measured every frame; the rotation is constant.
+// Camera with random acceleration and poses measured every frame.
 template <typename Filter>
 Figures simulate(Filter& filter, const Flight& flight) {
   std::mt19937_64 random(5);
@@ -63,14 +65,16 @@ Figures simulate(Filter& filter, const Flight& flight) {
     const Eigen::Vector3d mean_velocity =
         velocity + 0.5 * change + noise(flight.acceleration_density * std::sqrt(kPeriod_s / 12));
     truth.translation += mean_velocity * kPeriod_s;
+    truth.rotation = so3_exp(noise(flight.rotation_step_rad)) * truth.rotation;
     velocity += change;
     filter.predict(kPeriod_s);
     update(filter,
-           {so3_exp(noise(kRotationSigma_rad)),
+           {so3_exp(noise(kRotationSigma_rad)) * truth.rotation,
             truth.translation + noise(flight.noise_ratio * flight.sigma_m)},
            flight.sigma_m);
     if (k < kConverged) continue;
-    const Eigen::Vector3d error = filter.mean_twist_in_camera().velocity_m_s - mean_velocity;
+    const Eigen::Vector3d error =
+        truth.rotation * filter.mean_twist_in_camera().velocity_m_s - mean_velocity;
     const Matrix6d covariance = filter.mean_twist_covariance();
     out.velocity_rmse_m_s += error.squaredNorm();
     out.nees += error.dot(covariance.topLeftCorner<3, 3>().ldlt().solve(error));
@@ -80,11 +84,15 @@ Figures simulate(Filter& filter, const Flight& flight) {
   return out;
 }
 
-TEST(MultipleModelFilter, IsAsAccurateAsTheTrueModel) {
-  MotionFilter single(kOneModel);
+// The flight with one model and with all of them.
+std::pair<Figures, Figures> compare(const Flight& flight) {
+  MotionFilter one(kOneModel);
   MultipleModelFilter multiple(kOneModel);
-  const Figures reference = simulate(single, {});
-  const Figures figures = simulate(multiple, {});
+  return {simulate(one, flight), simulate(multiple, flight)};
+}
+
+TEST(MultipleModelFilter, IsAsAccurateAsTheTrueModel) {
+  const auto [reference, figures] = compare({});
   EXPECT_LT(figures.velocity_rmse_m_s, 1.03 * reference.velocity_rmse_m_s);
   EXPECT_NEAR(reference.nees, 3, 0.3);
   EXPECT_NEAR(figures.nees, 3, 0.5);
@@ -102,23 +110,22 @@ TEST(MultipleModelFilter, FindsNoiseThatTheMeasurementsDoNotReport) {
   EXPECT_LT(figures.velocity_rmse_m_s, 0.9 * reference.velocity_rmse_m_s);
 }
 
+// Ten times the rotation that the angular acceleration density predicts.
+TEST(MultipleModelFilter, RotationIsNoEvidenceOfNoise) {
+  MultipleModelFilter filter(kOneModel);
+  simulate(filter, {.rotation_step_rad = 0.02});
+  EXPECT_LT(filter.noise_variance_ratio(), 2);
+}
+
 TEST(MultipleModelFilter, FollowsAnAcceleration) {
-  const Flight flight{.acceleration_m_s2 = 2, .sigma_m = 0.02};
-  MotionFilter single(kOneModel);
-  MultipleModelFilter multiple(kOneModel);
-  const Figures reference = simulate(single, flight);
-  const Figures figures = simulate(multiple, flight);
+  const auto [reference, figures] = compare({.acceleration_m_s2 = 2, .sigma_m = 0.02});
   EXPECT_GT(reference.nees, 12);
   EXPECT_LT(figures.nees, 4);
   EXPECT_LT(figures.velocity_rmse_m_s, reference.velocity_rmse_m_s);
 }
 
 TEST(MultipleModelFilter, SteadyFlightLowersTheError) {
-  const Flight flight{.acceleration_density = 0.04};
-  MotionFilter single(kOneModel);
-  MultipleModelFilter multiple(kOneModel);
-  const Figures reference = simulate(single, flight);
-  const Figures figures = simulate(multiple, flight);
+  const auto [reference, figures] = compare({.acceleration_density = 0.04});
   EXPECT_LT(figures.velocity_rmse_m_s, 0.8 * reference.velocity_rmse_m_s);
   EXPECT_NEAR(figures.nees, 3, 0.8);
 }

@@ -140,16 +140,18 @@ TEST_F(Inputs, RejectsCoefficientCountOfAnotherDistortionModel) {
   EXPECT_NE(error().find("5 coefficients, expected 4"), std::string::npos);
 }
 
-// The position would be ignored otherwise.
-TEST_F(Inputs, RejectsMountPositionWithCalibrationExtrinsics) {
-  config.calibration = {.path = folder.file("sensor.yaml", R"(sensor_type: camera
+// The z axis of the camera is the body's.
+constexpr const char* kSensorLookingUp = R"(sensor_type: camera
 camera_model: pinhole
 resolution: [1920, 1080]
 intrinsics: [1152, 1152, 959.5, 539.5]
 distortion_model: none
 T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
-)"),
-                        .camera = {}};
+)";
+
+// The position would be ignored otherwise.
+TEST_F(Inputs, RejectsMountPositionWithCalibrationExtrinsics) {
+  config.calibration = {.path = folder.file("sensor.yaml", kSensorLookingUp), .camera = {}};
   EXPECT_EQ(error(), "accepted");
   config.mount.position_m = {0.1, 0, 0};
   EXPECT_NE(error().find("mount.position_m: the calibration has extrinsics"), std::string::npos);
@@ -157,16 +159,8 @@ T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
   EXPECT_EQ(error(), "accepted");
 }
 
-// The calibration's camera looks up: its z axis is the body's.
 TEST_F(Inputs, ReportsAMountThatContradictsTheCalibration) {
-  config.calibration = {.path = folder.file("sensor.yaml", R"(sensor_type: camera
-camera_model: pinhole
-resolution: [1920, 1080]
-intrinsics: [1152, 1152, 959.5, 539.5]
-distortion_model: none
-T_BS: {rows: 4, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
-)"),
-                        .camera = {}};
+  config.calibration = {.path = folder.file("sensor.yaml", kSensorLookingUp), .camera = {}};
   EXPECT_FALSE(read().mount_note);
   config.mount.rotation_wxyz = {std::cos(0.02), std::sin(0.02), 0, 0};  // 2.3 deg
   EXPECT_FALSE(read().mount_note);
