@@ -111,7 +111,7 @@ std::optional<double> end_error_m(const PositionError& error) {
 }
 
 bool is_metric_source(ScaleSource scale) {
-  return scale != ScaleSource::none && scale != ScaleSource::imu;
+  return scale != ScaleSource::none;
 }
 
 }  // namespace

@@ -23,6 +23,11 @@ class FeatureTracker {
   /// Removes features whose patch exceeds the image. Pixels are shared, not copied.
   void set_reference(const cv::Mat& grey, const std::vector<cv::Point2f>& features_px);
 
+  /// Centres of the reference's patches, in the order of the features; without the removed ones.
+  [[nodiscard]] const std::vector<Eigen::Vector2f>& reference_px() const {
+    return alignment_.tracks().reference_px;
+  }
+
   /// Mask for the reference and all following images; null: none. Masked features are not `found`.
   void set_mask(const std::shared_ptr<const ImageMask>& mask) { alignment_.set_mask(mask); }
 

@@ -19,12 +19,13 @@
 #include "navigation/keyframe_navigator.hpp"
 #include "navigation/paper_navigator.hpp"
 #include "navigation/reference_navigator.hpp"
+#include "navigation/window_navigator.hpp"
 
 namespace stillkite {
 namespace {
 
 using Method = std::variant<KeyframeNavigator, PaperNavigator, ReferenceNavigator, BestNavigator,
-                            FusedNavigator>;
+                            FusedNavigator, WindowNavigator>;
 
 Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
                    const NavigatorConfig& config, const InitialState& initial,
@@ -43,6 +44,9 @@ Method make_method(const Camera& camera, const RigidTransform& body_from_camera,
   }
   if (estimator.policy == Policy::best) {
     return BestNavigator(camera, body_from_camera, config, initial, estimator.mode);
+  }
+  if (estimator.policy == Policy::fused && config.fusion.solver == FusionSolver::window) {
+    return WindowNavigator(camera, body_from_camera, config, initial);
   }
   if (estimator.policy == Policy::fused) {
     return FusedNavigator(camera, body_from_camera,
@@ -127,7 +131,8 @@ Estimate Navigator::step(const ImageView& image, Timestamp stamp, const SensorRe
 }
 
 // The estimation steps are in the method's `step`: KeyframeNavigator, PaperNavigator,
-// ReferenceNavigator, BestNavigator or FusedNavigator.
+// ReferenceNavigator, BestNavigator,
+// FusedNavigator or WindowNavigator.
 NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& readings) {
   // 1. Check size and type of the image.
   check_image(frame, state_->camera);

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <string_view>
+#include <utility>
+
 #include "geometry/fields.hpp"
 
 namespace stillkite {
@@ -7,8 +11,17 @@ namespace stillkite {
 /// `depth_correlated_frames` with a consistent covariance if initial speed and height are unknown.
 inline constexpr double kCarefulFrames = 300;
 
+/// Estimator of policy fused.
+enum class FusionSolver { filter, window };
+template <>
+struct EnumNames<FusionSolver> {
+  static constexpr auto value = std::to_array<std::pair<FusionSolver, std::string_view>>(
+      {{FusionSolver::filter, "filter"}, {FusionSolver::window, "window"}});
+};
+
 /// What the fusion filter is told of its sensors and of the drone.
 struct FusionConfig {
+  FusionSolver solver = FusionSolver::filter;
   double pixel_sigma_px = 0.004;
   double pixel_noise_ratio = 0.54;
   double window_error_ratio = 1.0;
@@ -40,6 +53,9 @@ struct FusionConfig {
   double accel_bias_walk = 3e-3;
 
   static void fields(auto& self, auto&& field) {
+    field("solver", self.solver,
+          "error-state filter, or visual-inertial sliding window; the window needs an IMU and no "
+          "height, and uses the noise of the IMU only");
     field("pixel_sigma_px", self.pixel_sigma_px, Range{1e-9, 1e9},
           "of a feature's place, beside what its window and its frame tell");
     field(

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "estimation/sliding_window/window.hpp"
+
+// Initialization of a window in motion, without height or attitude: gyroscope bias from image
+// rotations, then gravity, velocity and depths by linear least squares, then all variables.
+
+namespace stillkite {
+
+/// Standard deviations of the variables before any measurement.
+struct InertialPriors {
+  double gyro_bias_rad_s = 0.1;
+  double accel_bias_m_s2 = 0.2;
+  double camera_rotation_rad = 0.005;
+  double lever_arm_m = 0.005;
+  double time_offset_s = 0.002;
+};
+
+/// Gyroscope bias with which the rotated bearings of all pairs of frames fulfil the epipolar
+/// constraint (Kneip and Lynen, ICCV 2013; He et al., CVPR 2023). Also for pure rotation and
+/// planes. Empty with fewer than three usable pairs.
+[[nodiscard]] std::optional<Eigen::Vector3d> gyro_bias_from_images(const Window& window,
+                                                                   double prior_sigma_rad_s);
+
+/// Solution of the linear equations of gravity, velocity and depths (Dong-Si and Mourikis 2012),
+/// in the axes of the first frame's IMU.
+struct LinearAlignment {
+  Eigen::Vector3d gravity;
+  Eigen::Vector3d velocity;
+  std::vector<RigidTransform> first_from_imu;   ///< of each frame
+  std::vector<Eigen::Vector3d> velocities;      ///< of each frame
+  std::vector<std::optional<double>> depths_m;  ///< of each track in its first keyframe
+};
+[[nodiscard]] std::optional<LinearAlignment> align_linearly(const Window& window,
+                                                            const Eigen::Vector3d& gyro_bias);
+
+/// Outcome of an attempt.
+struct Initialization {
+  bool accepted = false;
+  double scale_sigma_ratio = 1;   ///< of the distances between the frames
+  double mean_squared_error = 0;  ///< of the reprojections, in variances; 2 is expected
+};
+
+/// Sets all states, points and the prior. `world_from_first`: pose of the first frame's IMU, of
+/// which gravity corrects roll and pitch. Accepted if the scale is known to 10 % and the points
+/// explain the images; otherwise only the values have changed, and more frames are needed.
+Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
+                                    const InertialPriors& priors);
+
+/// Prior of a first frame whose position and yaw define the world; its biases are zero within the
+/// priors.
+void set_initial_prior(Window& window, const InertialPriors& priors);
+
+}  // namespace stillkite

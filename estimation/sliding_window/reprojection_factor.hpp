@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "geometry/rigid_transform.hpp"
+
+namespace stillkite {
+
+/// Camera relative to the IMU, and its clock.
+struct CameraExtrinsics {
+  RigidTransform imu_from_camera;  ///< rotation and lever arm, m
+  double time_offset_s = 0;        ///< IMU time of an image minus its stamp
+};
+
+/// Order of the error of CameraExtrinsics: R_true = R exp(rotation); the rest is additive.
+struct ExtrinsicsIndex {
+  static constexpr int kRotation = 0;
+  static constexpr int kLeverArm = 3;
+  static constexpr int kTimeOffset = 6;
+  static constexpr int kSize = 7;
+};
+using ExtrinsicsError = Eigen::Matrix<double, ExtrinsicsIndex::kSize, 1>;
+
+/// `extrinsics` plus an error.
+[[nodiscard]] CameraExtrinsics plus(const CameraExtrinsics& extrinsics,
+                                    const ExtrinsicsError& error);
+/// Error of `from` relative to `to`.
+[[nodiscard]] ExtrinsicsError minus(const CameraExtrinsics& to, const CameraExtrinsics& from);
+
+/// Point in its first keyframe's camera: (bearing, 1) / inverse depth.
+struct InverseDepthPoint {
+  Eigen::Vector2d bearing = Eigen::Vector2d::Zero();  ///< on z = 1
+  double inverse_depth = 0;                           ///< 1/m
+};
+
+/// Cameras of a point's first keyframe and of another image, IMU by IMU.
+struct CameraPair {
+  Eigen::Matrix3d camera_from_imu;
+  Eigen::Matrix3d camera_from_world;     ///< the other camera's rotation
+  Eigen::Matrix3d camera_from_host_imu;  ///< rotation
+  Eigen::Matrix3d camera_from_host;      ///< rotation from the first keyframe's camera
+  Eigen::Vector3d baseline_m;            ///< origin of the first keyframe's camera
+  Eigen::Vector3d lever_arm_m;
+};
+[[nodiscard]] CameraPair camera_pair(const RigidTransform& world_from_host,
+                                     const RigidTransform& world_from_target,
+                                     const RigidTransform& imu_from_camera);
+
+/// Projection of a point to z = 1 of the other camera, with Jacobians; pose errors as
+/// InertialIndex, of the IMUs at the first keyframe and at the other image.
+struct PointProjection {
+  Eigen::Vector2d bearing;
+  Eigen::Matrix<double, 2, 6> by_host;
+  Eigen::Matrix<double, 2, 6> by_target;
+  Eigen::Matrix<double, 2, 6> by_extrinsics;  ///< rotation and lever arm
+  Eigen::Matrix<double, 2, 3> by_point;       ///< bearing and inverse depth
+};
+
+/// Empty if the point is behind the camera.
+[[nodiscard]] std::optional<PointProjection> project_point(const CameraPair& pair,
+                                                           const InverseDepthPoint& point);
+/// The same without Jacobians.
+[[nodiscard]] std::optional<Eigen::Vector2d> project_bearing(const CameraPair& pair,
+                                                             const InverseDepthPoint& point);
+
+}  // namespace stillkite

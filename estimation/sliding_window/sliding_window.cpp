@@ -1,0 +1,293 @@
+#include "estimation/sliding_window/sliding_window.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "estimation/sliding_window/marginalization.hpp"
+#include "estimation/sliding_window/triangulation.hpp"
+#include "estimation/sliding_window/window_solver.hpp"
+
+namespace stillkite {
+namespace {
+
+// Frames with velocity and biases, and keyframes with a pose only.
+constexpr std::size_t kChainFrames = 6;
+constexpr std::size_t kKeyframes = 8;
+constexpr std::size_t kInitializationFrames = 15;
+// Of two chain frames; the frames between are merged.
+constexpr double kMinChainInterval_s = 0.045;
+constexpr double kMinInitialization_s = 0.4;
+constexpr int kMaxIterations = 4;
+constexpr double kMaxSquaredError = 16;  // four sigma in two dimensions
+
+const WindowObservation* observation_in(const WindowTrack& track, std::int64_t frame_id) {
+  const auto at = std::find_if(track.observations.rbegin(), track.observations.rend(),
+                               [&](const WindowObservation& o) { return o.frame_id == frame_id; });
+  return at == track.observations.rend() ? nullptr : &*at;
+}
+
+}  // namespace
+
+SlidingWindow::SlidingWindow(const CameraExtrinsics& extrinsics,
+                             const RigidTransform& world_from_imu, const ImuNoise& noise,
+                             const InertialPriors& priors)
+    : noise_(noise), priors_(priors) {
+  window_.extrinsics = window_.first_extrinsics = extrinsics;
+  window_.prior.information = Eigen::MatrixXd::Zero(ExtrinsicsIndex::kSize, ExtrinsicsIndex::kSize);
+  window_.prior.gradient = Eigen::VectorXd::Zero(ExtrinsicsIndex::kSize);
+  WindowFrame first;
+  first.id = -1;  // replaced by the first image
+  first.state.world_from_imu = world_from_imu;
+  append_frame(window_, std::move(first));
+}
+
+void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuSample> samples,
+                              std::span<const FeatureObservation> features) {
+  if (window_.frames.back().id < 0) {
+    window_.frames.back().id = next_frame_id_++;
+    window_.frames.back().stamp = stamp;
+    return;
+  }
+  // 1. Predict by the IMU, and merge a frame that is too close to its neighbours.
+  predict(stamp, samples);
+  if (is_initialized_) {
+    thin_chain();
+  } else {
+    thin_initialization();
+  }
+  // 2. Features of known tracks.
+  add_observations(features);
+  // 3. Estimate all states.
+  if (!is_initialized_) {
+    try_initialization();
+  } else {
+    triangulate_tracks();
+    estimate();
+    slide();
+  }
+  remove_empty_tracks();
+}
+
+void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features) {
+  WindowFrame& newest = window_.frames.back();
+  newest.is_keyframe = true;
+  for (const FeatureObservation& feature : features) {
+    if (!window_.tracks.empty() && feature.track_id <= window_.tracks.back().id) continue;
+    window_.tracks.push_back({.id = feature.track_id,
+                              .observations = {{.frame_id = newest.id,
+                                                .bearing = feature.bearing,
+                                                .covariance = feature.covariance}},
+                              .point = std::nullopt});
+  }
+  if (is_initialized_) limit_keyframes();
+  remove_empty_tracks();
+}
+
+void SlidingWindow::predict(Timestamp stamp, std::span<const ImuSample> samples) {
+  const InertialState last = window_.frames.back().state;
+  WindowFrame frame;
+  frame.id = next_frame_id_++;
+  frame.stamp = stamp;
+  frame.imu = ImuPreintegration(noise_);
+  frame.imu.reintegrate(last.gyro_bias_rad_s, last.accel_bias_m_s2);
+  for (const ImuSample& sample : samples) frame.imu.add(sample);
+  if (!samples.empty()) frame.gyro_rad_s = samples.back().angular_rate_rad_s;
+  frame.state = frame.imu.predict(last);
+  if (!is_initialized_) {
+    // velocity and gravity are not known yet
+    frame.state.world_from_imu.translation = last.world_from_imu.translation;
+    frame.state.velocity_in_world_m_s.setZero();
+  }
+  append_frame(window_, std::move(frame));
+}
+
+// The last frame but one is merged if it follows the one before too closely.
+void SlidingWindow::thin_chain() {
+  if (window_.frames.size() < 3) return;
+  const std::size_t at = window_.frames.size() - 2;
+  const WindowFrame& frame = window_.frames[at];
+  const double interval_s = seconds_between(window_.frames[at - 1].stamp, frame.stamp);
+  if (frame.is_keyframe || frame.first_estimate || interval_s >= kMinChainInterval_s) return;
+  merge_frame(window_, at);
+}
+
+// Keeps the frames spread over time: merges the one with the closest neighbours that is no
+// keyframe; removes the oldest if all are.
+void SlidingWindow::thin_initialization() {
+  if (window_.frames.size() <= kInitializationFrames) return;
+  std::size_t closest = 0;
+  double shortest_s = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i + 1 < window_.frames.size(); ++i) {
+    if (window_.frames[i].is_keyframe) continue;
+    const double span_s = seconds_between(window_.frames[i - 1].stamp, window_.frames[i + 1].stamp);
+    if (span_s >= shortest_s) continue;
+    shortest_s = span_s;
+    closest = i;
+  }
+  if (closest > 0) {
+    merge_frame(window_, closest);
+  } else {
+    remove_first_frame(window_);
+    restart_tracks();
+  }
+}
+
+// Tracks begin in a keyframe.
+void SlidingWindow::restart_tracks() {
+  const auto is_keyframe = [&](const WindowObservation& observation) {
+    const auto at = window_.find(observation.frame_id);
+    return at && window_.frames[*at].is_keyframe;
+  };
+  for (WindowTrack& track : window_.tracks) {
+    const auto first =
+        std::find_if(track.observations.begin(), track.observations.end(), is_keyframe);
+    if (first != track.observations.begin()) track.point.reset();
+    track.observations.erase(track.observations.begin(), first);
+  }
+}
+
+void SlidingWindow::add_observations(std::span<const FeatureObservation> features) {
+  const WindowFrame& newest = window_.frames.back();
+  for (const FeatureObservation& feature : features) {
+    const auto track =
+        std::lower_bound(window_.tracks.begin(), window_.tracks.end(), feature.track_id,
+                         [](const WindowTrack& t, std::int64_t id) { return t.id < id; });
+    if (track == window_.tracks.end() || track->id != feature.track_id) continue;
+    track->observations.push_back(
+        {.frame_id = newest.id, .bearing = feature.bearing, .covariance = feature.covariance});
+  }
+}
+
+void SlidingWindow::try_initialization() {
+  const double span_s = seconds_between(window_.frames.front().stamp, window_.frames.back().stamp);
+  if (span_s < kMinInitialization_s) return;
+  Window attempt = window_;
+  initialization_ =
+      initialize_in_motion(attempt, window_.frames.front().state.world_from_imu, priors_);
+  if (!initialization_.accepted) return;
+  window_ = std::move(attempt);
+  is_initialized_ = true;
+  estimate();
+  slide();
+  limit_keyframes();
+}
+
+void SlidingWindow::estimate() {
+  const WindowFit fit = optimize(window_, kMaxIterations);
+  if (fit.newest_covariance) covariance_ = *fit.newest_covariance;
+  reject_outliers();
+}
+
+void SlidingWindow::triangulate_tracks() {
+  for (WindowTrack& track : window_.tracks) {
+    if (!track.point) track.point = triangulate(window_, track);
+  }
+}
+
+// Removes observations that do not fit, and points whose depth became negative.
+void SlidingWindow::reject_outliers() {
+  const std::int64_t newest = window_.frames.back().id;
+  measured_points_ = inlier_points_ = 0;
+  ReprojectionErrors errors(window_);
+  for (WindowTrack& track : window_.tracks) {
+    if (!track.point) continue;
+    const auto is_outlier = [&](const WindowObservation& observation) {
+      return &observation != track.observations.data() &&
+             errors.squared(track, observation) > kMaxSquaredError;
+    };
+    const bool is_measured = observation_in(track, newest) != nullptr;
+    measured_points_ += is_measured;
+    std::vector<WindowObservation> kept;
+    kept.reserve(track.observations.size());
+    for (const WindowObservation& observation : track.observations) {
+      if (!is_outlier(observation)) kept.push_back(observation);
+    }
+    track.observations = std::move(kept);
+    inlier_points_ += observation_in(track, newest) != nullptr;
+    constexpr double kMinInverseDepth_1_m = 1e-6;
+    if (track.point->inverse_depth < kMinInverseDepth_1_m) track.point.reset();
+  }
+}
+
+// Frames that leave the chain: a keyframe's velocity and biases, or the whole frame.
+void SlidingWindow::slide() {
+  const auto chain_size = [&] {
+    return static_cast<std::size_t>(std::count_if(window_.frames.begin(), window_.frames.end(),
+                                                  [](const auto& f) { return f.has_motion; }));
+  };
+  while (chain_size() > kChainFrames) {
+    const std::size_t oldest = window_.frames.size() - chain_size();
+    if (window_.frames[oldest].is_keyframe) {
+      marginalize_motion(window_, oldest);
+    } else {
+      marginalize_frame(window_, oldest);
+    }
+  }
+}
+
+void SlidingWindow::limit_keyframes() {
+  const auto poses = [&] {
+    return static_cast<std::size_t>(std::count_if(window_.frames.begin(), window_.frames.end(),
+                                                  [](const auto& f) { return !f.has_motion; }));
+  };
+  while (poses() > kKeyframes) {
+    marginalize_frame(window_, redundant_keyframe());
+    restart_tracks();
+  }
+}
+
+// The keyframe whose points are out of view, else the one closest to its neighbours (Engel et al.,
+// "Direct sparse odometry", IEEE T-PAMI 2018, section 3.1).
+std::size_t SlidingWindow::redundant_keyframe() const {
+  const WindowFrame& newest = window_.frames.back();
+  std::vector<std::size_t> poses;
+  for (std::size_t i = 0; i < window_.frames.size(); ++i) {
+    if (!window_.frames[i].has_motion) poses.push_back(i);
+  }
+  constexpr double kMinVisible_ratio = 0.05;
+  for (const std::size_t i : poses) {
+    int hosted = 0;
+    int visible = 0;
+    for (const WindowTrack& track : window_.tracks) {
+      if (track.observations.empty() ||
+          track.observations.front().frame_id != window_.frames[i].id) {
+        continue;
+      }
+      ++hosted;
+      visible += observation_in(track, newest.id) != nullptr;
+    }
+    if (visible <= kMinVisible_ratio * hosted) return i;
+  }
+  const auto distance = [&](std::size_t a, std::size_t b) {
+    constexpr double kMin_m = 1e-3;
+    return kMin_m + (window_.frames[a].state.world_from_imu.translation -
+                     window_.frames[b].state.world_from_imu.translation)
+                        .norm();
+  };
+  std::size_t redundant = poses.front();
+  double highest = 0;
+  for (const std::size_t i : poses) {
+    double closeness = 0;
+    for (const std::size_t k : poses) {
+      if (k != i) closeness += 1 / distance(i, k);
+    }
+    const double score = std::sqrt(distance(i, window_.frames.size() - 1)) * closeness;
+    if (score <= highest) continue;
+    highest = score;
+    redundant = i;
+  }
+  return redundant;
+}
+
+void SlidingWindow::remove_empty_tracks() {
+  const std::int64_t newest = window_.frames.back().id;
+  std::erase_if(window_.tracks, [&](const WindowTrack& track) {
+    if (track.observations.empty()) return true;
+    // neither a point nor seen any more
+    return !track.point && track.observations.back().frame_id != newest;
+  });
+}
+
+}  // namespace stillkite

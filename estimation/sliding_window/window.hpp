@@ -1,0 +1,83 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "estimation/sliding_window/imu_preintegration.hpp"
+#include "estimation/sliding_window/reprojection_factor.hpp"
+#include "geometry/time.hpp"
+
+namespace stillkite {
+
+/// Image of the window. A keyframe that is older than the IMU chain has a pose only.
+struct WindowFrame {
+  std::int64_t id = 0;
+  Timestamp stamp;
+  InertialState state;
+  /// Where the Jacobians are evaluated once the marginal prior depends on this frame.
+  std::optional<InertialState> first_estimate;
+  ImuPreintegration imu;                                 ///< since the previous frame of the chain
+  Eigen::Vector3d gyro_rad_s = Eigen::Vector3d::Zero();  ///< reading at this frame
+  bool has_motion = true;                                ///< velocity and biases are states
+  bool is_keyframe = false;
+  bool is_reference = false;  ///< kept as long as it is in view
+
+  [[nodiscard]] const InertialState& linearization() const {
+    return first_estimate ? *first_estimate : state;
+  }
+  /// Pose a time after the state's.
+  [[nodiscard]] RigidTransform world_from_imu_after(double shift_s, bool at_first_estimate) const;
+  /// Rate of the pose's error, order of InertialIndex.
+  [[nodiscard]] Vector6d pose_rate() const;
+  [[nodiscard]] int size() const {
+    return has_motion ? InertialIndex::kSize : InertialIndex::kPoseSize;
+  }
+};
+
+/// Bearing of a feature in one image.
+struct WindowObservation {
+  std::int64_t frame_id = 0;
+  Eigen::Vector2d bearing = Eigen::Vector2d::Zero();  ///< on z = 1
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
+};
+
+/// Feature of the window; the first observation is in a keyframe, the point's first keyframe.
+struct WindowTrack {
+  std::int64_t id = 0;
+  std::vector<WindowObservation> observations;
+  std::optional<InverseDepthPoint> point;  ///< empty until triangulated
+};
+
+/// Prior from marginalized variables: cost 1/2 d^T H d - g^T d of the error d from the first
+/// estimates, over all variables of the window in their order.
+struct MarginalPrior {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+
+/// Variables, measurements and prior of a fixed-lag smoother (Leutenegger et al. 2015; Usenko et
+/// al. 2020). Order of the variables: extrinsics, then frames by time.
+struct Window {
+  CameraExtrinsics extrinsics;
+  CameraExtrinsics first_extrinsics;  ///< linearization point
+  std::vector<WindowFrame> frames;
+  std::vector<WindowTrack> tracks;  ///< by ascending number
+  MarginalPrior prior;
+
+  /// Time of the images after their states, by which the clock's offset differs from its first
+  /// estimate.
+  [[nodiscard]] double image_shift_s() const {
+    return extrinsics.time_offset_s - first_extrinsics.time_offset_s;
+  }
+  /// First variable of each frame; the last entry is the number of variables.
+  [[nodiscard]] std::vector<int> offsets() const;
+  /// Position in `frames`; empty if the frame was removed.
+  [[nodiscard]] std::optional<std::size_t> find(std::int64_t frame_id) const;
+};
+
+/// Appends a frame; the prior does not depend on it.
+void append_frame(Window& window, WindowFrame frame);
+
+}  // namespace stillkite

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "estimation/sliding_window/sliding_window.hpp"
+#include "flow/detector_config.hpp"
+#include "flow/feature_tracker.hpp"
+#include "flow/frame.hpp"
+#include "geometry/camera.hpp"
+#include "navigation/weighted_flow.hpp"
+
+namespace stillkite {
+
+/// Features of the sliding window. Every image is aligned to the latest keyframe's image, so that
+/// errors do not add up from frame to frame; a track lives across keyframes.
+class KeyframeFeatures {
+ public:
+  /// `lens_sigma_px`: error of the calibration, independent from feature to feature.
+  KeyframeFeatures(const Camera& camera, double lens_sigma_px);
+
+  /// Features of the latest keyframe in an image, by ascending number of the track.
+  [[nodiscard]] std::vector<FeatureObservation> track(const Frame& frame);
+
+  /// Makes the image that was tracked last the keyframe: its features and newly detected ones, by
+  /// ascending number of the track.
+  [[nodiscard]] std::vector<FeatureObservation> take_keyframe(const Frame& frame);
+
+  /// True if few features are left, or the median parallax since the keyframe exceeds 3 degrees.
+  /// `keyframe_from_camera`: rotation since the keyframe.
+  [[nodiscard]] bool needs_keyframe(const Eigen::Quaterniond& keyframe_from_camera) const;
+
+  [[nodiscard]] int found_count() const { return static_cast<int>(found_.size()); }
+  /// Displacements since the keyframe, for drawing.
+  [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;
+
+ private:
+  // Feature of the keyframe: the tracker follows the centre of its patch.
+  struct Feature {
+    std::int64_t track_id;
+    Eigen::Vector2f at_px;
+    Eigen::Vector2f patch_px = Eigen::Vector2f::Zero();
+  };
+  struct Found {
+    std::size_t feature;
+    Eigen::Vector2f at_px;
+    Eigen::Matrix2f covariance_px2;
+  };
+
+  [[nodiscard]] std::vector<FeatureObservation> observations(const std::vector<Found>& found) const;
+
+  Camera camera_;
+  DetectorConfig detector_;
+  double sigma_px_;
+  FeatureTracker tracker_;
+  std::vector<Feature> features_;
+  std::vector<Found> found_;  // in the last image
+  std::int64_t next_track_id_ = 0;
+};
+
+}  // namespace stillkite

@@ -1,0 +1,131 @@
+#include "estimation/sliding_window/sliding_window.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "hand_held_motion.hpp"
+
+namespace stillkite {
+namespace {
+
+using testing::HandHeldMotion;
+
+constexpr ImuNoise kImu{
+    .gyro_density = 2e-4, .accel_density = 2e-3, .gyro_bias_walk = 2e-5, .accel_bias_walk = 1e-4};
+constexpr double kBearingSigma = 5e-4;
+constexpr double kFrame_s = 0.05;
+
+// Runs the window over a motion, a keyframe every fifth frame.
+struct WindowRun {
+  explicit WindowRun(unsigned seed) : random(seed) {
+    points = points_in_view(motion, 200, random);
+    RigidTransform first = motion.state(0).world_from_imu;
+    first.rotation = first.rotation * so3_exp({0.2, -0.3, 0});  // unknown roll and pitch
+    window.emplace(motion.extrinsics, first, kImu, InertialPriors{});
+  }
+
+  void step() { advance(observe(motion, kFrame_s * frame, points, kBearingSigma, random)); }
+  void step_in_the_dark() { advance({}); }
+
+  void advance(const std::vector<FeatureObservation>& features) {
+    const double t_s = kFrame_s * frame;
+    const auto samples =
+        frame == 0 ? std::vector<ImuSample>() : motion.samples(t_s - kFrame_s, t_s, kImu, random);
+    window->add_frame(from_seconds(t_s), samples, features);
+    if (frame % 5 == 0 && !features.empty()) window->take_keyframe(features);
+    ++frame;
+  }
+  // By position and yaw of the window's first frame.
+  [[nodiscard]] RigidTransform truth_from_world() const {
+    const WindowFrame& first = window->window().frames.front();
+    const RigidTransform truth = motion.state(to_seconds(first.stamp)).world_from_imu;
+    const RigidTransform& estimate = first.state.world_from_imu;
+    const Eigen::Quaterniond rotation = truth.rotation * estimate.rotation.conjugate();
+    const Eigen::Quaterniond yaw = so3_exp({0, 0, 2 * std::atan2(rotation.z(), rotation.w())});
+    return {yaw, truth.translation - yaw * estimate.translation};
+  }
+  [[nodiscard]] InertialState aligned_state(const RigidTransform& truth_from_world) const {
+    InertialState state = window->state();
+    state.world_from_imu = truth_from_world * state.world_from_imu;
+    state.velocity_in_world_m_s = truth_from_world.rotation * state.velocity_in_world_m_s;
+    return state;
+  }
+  [[nodiscard]] InertialState truth() const { return motion.state(kFrame_s * (frame - 1)); }
+
+  HandHeldMotion motion;
+  std::mt19937 random;
+  std::vector<Eigen::Vector3d> points;
+  std::optional<SlidingWindow> window;
+  int frame = 0;
+};
+
+TEST(SlidingWindow, InitializesWithoutHeightOrAttitude) {
+  WindowRun run(1);
+  while (!run.window->is_initialized() && run.frame < 60) run.step();
+  ASSERT_TRUE(run.window->is_initialized());
+  EXPECT_LT(run.window->last_initialization().scale_sigma_ratio, 0.1);
+  EXPECT_LT((run.window->state().gyro_bias_rad_s - run.motion.gyro_bias_rad_s).norm(), 0.005);
+  const Eigen::Vector3d up =
+      run.window->state().world_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d true_up =
+      run.truth().world_from_imu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  EXPECT_LT(angle_between_rad(up, true_up), 0.03);
+}
+
+// Mean NEES over 15 s of five flights; expectation 3 for each group, and position and yaw are
+// relative to the first frame.
+TEST(SlidingWindow, CovarianceIsConsistent) {
+  constexpr int kFrames = 300;
+  Eigen::Matrix<double, 5, 1> sum = Eigen::Matrix<double, 5, 1>::Zero();
+  int count = 0;
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    WindowRun run(seed);
+    std::optional<RigidTransform> truth_from_world;
+    while (run.frame < kFrames) {
+      run.step();
+      if (!run.window->is_initialized()) continue;
+      if (!truth_from_world) truth_from_world = run.truth_from_world();
+      const InertialState state = run.aligned_state(*truth_from_world);
+      const InertialError error = minus(run.truth(), state);
+      const SlidingWindow::Matrix15d& P = run.window->covariance();
+      for (int group = 0; group < 5; ++group) {
+        Eigen::Matrix3d covariance = P.block<3, 3>(3 * group, 3 * group);
+        const bool is_in_world =
+            3 * group == InertialIndex::kPosition || 3 * group == InertialIndex::kVelocity;
+        if (is_in_world) {
+          const Eigen::Matrix3d R = truth_from_world->rotation.toRotationMatrix();
+          covariance = R * covariance * R.transpose();
+        }
+        const Eigen::Vector3d e = error.segment<3>(3 * group);
+        sum[group] += e.dot(covariance.ldlt().solve(e));
+      }
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 1400);
+  const Eigen::Matrix<double, 5, 1> mean = sum / count;
+  EXPECT_LT(mean.maxCoeff(), 6) << mean.transpose();
+  EXPECT_GT(mean.minCoeff(), 0.5) << mean.transpose();
+}
+
+TEST(SlidingWindow, PredictsByTheImuWithoutFeatures) {
+  WindowRun run(2);
+  while (run.frame < 100) run.step();
+  const RigidTransform truth_from_world = run.truth_from_world();
+  const double sigma_before_m = std::sqrt(run.window->covariance()(3, 3));
+  for (int i = 0; i < 20; ++i) run.step_in_the_dark();
+  const InertialState state = run.aligned_state(truth_from_world);
+  const double error_m =
+      (state.world_from_imu.translation - run.truth().world_from_imu.translation).norm();
+  const double sigma_m = std::sqrt(run.window->covariance().block<3, 3>(3, 3).trace());
+  EXPECT_GT(sigma_m, 2 * sigma_before_m);
+  EXPECT_LT(error_m, 4 * sigma_m);
+}
+
+}  // namespace
+}  // namespace stillkite
