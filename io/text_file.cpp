@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -12,7 +13,7 @@
 namespace stillkite {
 namespace fs = std::filesystem;
 
-std::string read_text_file(const fs::path& file) {
+std::string read_bytes(const fs::path& file) {
   constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
   const std::string name = file.string();
   std::error_code failure;
@@ -31,6 +32,20 @@ std::string read_text_file(const fs::path& file) {
   }
   if (text.empty()) throw InputError(name + ": the file is empty");
   return text;
+}
+
+std::string read_text_file(const fs::path& file) {
+  std::string text = read_bytes(file);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    throw InputError(file.string() + ": the text is in UTF-16; save it as UTF-8");
+  }
+  const std::size_t zero = text.find('\0');
+  if (zero == std::string::npos) return text;
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(zero);
+  throw InputError(
+      fmt::format("{}:{}: zero bytes; the file is no text, or damaged there (interrupted "
+                  "recording): remove the damaged lines",
+                  file.string(), std::count(text.begin(), end, '\n') + 1));
 }
 
 bool is_special_file(const fs::path& file) {

@@ -7,6 +7,9 @@ namespace stillkite {
 
 /// Content of a file. Throws InputError if it is missing, a folder, a pipe or device, unreadable,
 /// empty, or larger than 1 GiB.
+[[nodiscard]] std::string read_bytes(const std::filesystem::path& file);
+
+/// As read_bytes; also throws InputError on UTF-16 and on zero bytes.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
 
 /// True for a pipe, socket or device, which could block on opening. False for /dev/stdin and

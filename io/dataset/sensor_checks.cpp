@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "geometry/angle.hpp"
@@ -75,6 +77,19 @@ std::string force_remedy(double mean_m_s2) {
                                    : "give it in m/s^2, gravity included";
 }
 
+// Hint if the log is about 10^3 or 10^6 times shorter than the flight, or "".
+std::string unit_hint(const std::vector<Timestamp>& stamps, double flight_s) {
+  constexpr double kMaxFactor = 3;
+  const double log_s = seconds_between(stamps.front(), stamps.back());
+  for (const auto& [unit, symbol, ratio] :
+       {std::tuple{"microseconds", "us", 1e3}, std::tuple{"milliseconds", "ms", 1e6}}) {
+    if (ratio * log_s > kMaxFactor * flight_s || kMaxFactor * ratio * log_s < flight_s) continue;
+    return fmt::format("; the time stamps are probably {}: name the first column 'timestamp [{}]'",
+                       unit, symbol);
+  }
+  return "";
+}
+
 // Nullopt if the log covers the flight.
 template <typename Value>
 std::optional<std::string> coverage_warning(const TimeSeries<Value>& series, const char* name,
@@ -91,11 +106,12 @@ std::optional<std::string> coverage_warning(const TimeSeries<Value>& series, con
   if (from > to) {
     return fmt::format(
         "{0}: no reading within the flight: readings from {1}; use one clock for both, or set "
-        "{2}.time_offset_s",
-        name, spans, std::string_view(name).substr(0, std::string_view(name).find('.')));
+        "{2}.time_offset_s{3}",
+        name, spans, std::string_view(name).substr(0, std::string_view(name).find('.')),
+        unit_hint(series.stamps, flight_s));
   }
-  return fmt::format("{}: covers {:.1f} s of {:.1f} s: readings from {}", name, covered_s, flight_s,
-                     spans);
+  return fmt::format("{}: covers {:.1f} s of {:.1f} s: readings from {}{}", name, covered_s,
+                     flight_s, spans, unit_hint(series.stamps, flight_s));
 }
 
 // Gaps between two readings of the flight.

@@ -114,20 +114,7 @@ std::vector<InertialReading> inertial_between(const TimeSeries<Vector6d>& series
 constexpr Range kRates_rad_s{-100, 100};
 constexpr Range kForces_m_s2{-2000, 2000};
 
-// Rejects tables whose first columns are accelerations by name (ax, acc_x, linear_acceleration.x).
 Eigen::Vector3d rates_at(const TableReader& row) {
-  std::string name(row.name(1));
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const bool is_force = name.starts_with("ax") || name.starts_with("a_") ||
-                        name.find("acc") != std::string::npos ||
-                        name.find("linear") != std::string::npos;
-  if (is_force) {
-    row.reject(fmt::format(
-        "column '{}' must be an angular rate; column order: time stamp, wx, wy, wz in rad/s, "
-        "ax, ay, az in m/s^2",
-        row.name(1)));
-  }
   const Eigen::Vector3d rates_rad_s = vector_at(row, 1);
   for (std::size_t i = 0; i < 3; ++i) {
     const double rate_rad_s = rates_rad_s[static_cast<Eigen::Index>(i)];
@@ -154,8 +141,8 @@ std::vector<Timestamp> without_jitter(std::span<const Timestamp> stamps) {
 // Series of (stamp, read_row(row)).
 template <typename Value, typename ReadRow>
 TimeSeries<Value> read_series(const std::filesystem::path& file, std::size_t columns,
-                              std::vector<Unit> units, const ReadRow& read_row) {
-  TableReader table(file, Separator::comma, columns, std::move(units));
+                              std::vector<Column> expected, const ReadRow& read_row) {
+  TableReader table(file, Separator::comma, columns, std::move(expected));
   TimeSeries<Value> series;
   while (table.next()) {
     series.stamps.push_back(table.stamp());
@@ -197,30 +184,31 @@ SensorReadings readings_between(const SensorLog& log, Timestamp before, Timestam
 }
 
 TimeSeries<Eigen::Vector3d> read_gyro(const std::filesystem::path& file) {
-  auto rates = read_series<Eigen::Vector3d>(file, 4, std::vector(3, Unit::radian_per_s), rates_at);
+  auto rates =
+      read_series<Eigen::Vector3d>(file, 4, vector_columns({Quantity::angular_rate}), rates_at);
   rates.stamps = without_jitter(rates.stamps);
   return rates;
 }
 
 TimeSeries<double> read_heights(const std::filesystem::path& file) {
-  return read_series<double>(file, 2, {Unit::metre},
+  return read_series<double>(file, 2, {{Quantity::height}},
                              [](const TableReader& row) { return row.number(1); });
 }
 
 TimeSeries<Eigen::Quaterniond> read_attitudes(const std::filesystem::path& file) {
   return read_series<Eigen::Quaterniond>(
-      file, 5, {}, [](const TableReader& row) { return quaternion_at(row, 1, 2); });
+      file, 5,
+      {{Quantity::quaternion, 'w'},
+       {Quantity::quaternion, 'x'},
+       {Quantity::quaternion, 'y'},
+       {Quantity::quaternion, 'z'}},
+      [](const TableReader& row) { return quaternion_at(row, 1, 2); });
 }
 
 TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
   return read_series<Vector6d>(
-      file, 4, units_of_vectors(Unit::metre_per_s2, Unit::radian_per_s2),
+      file, 4, vector_columns({Quantity::acceleration, Quantity::angular_acceleration}),
       [](const TableReader& row) {
-        if (row.name(1).starts_with('w')) {
-          row.reject(fmt::format(
-              "column '{}' is an angular rate; column order: ax, ay, az [, angular acceleration]",
-              row.name(1)));
-        }
         Vector6d value = Vector6d::Zero();
         value.head<3>() = vector_at(row, 1);
         if (row.columns() >= 7) value.tail<3>() = vector_at(row, 4);
@@ -229,15 +217,32 @@ TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file) {
 }
 
 TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
-  auto imu =
-      read_series<Vector6d>(file, 7, units_of_vectors(Unit::radian_per_s, Unit::metre_per_s2),
-                            [](const TableReader& row) {
-                              const Eigen::Vector3d rates = rates_at(row);
-                              const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
-                              return (Vector6d() << rates, forces).finished();
-                            });
+  auto imu = read_series<Vector6d>(file, 7,
+                                   vector_columns({Quantity::angular_rate, Quantity::acceleration}),
+                                   [](const TableReader& row) {
+                                     const Eigen::Vector3d rates = rates_at(row);
+                                     const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
+                                     return (Vector6d() << rates, forces).finished();
+                                   });
   imu.stamps = without_jitter(imu.stamps);
   return imu;
+}
+
+std::vector<bool> repeated_readings(const TimeSeries<Vector6d>& imu) {
+  constexpr double kMinDuration_s = 0.25;
+  constexpr std::size_t kMinReadings = 20;
+  std::vector<bool> repeated(imu.values.size(), false);
+  for (std::size_t first = 0; first < imu.values.size();) {
+    std::size_t end = first + 1;
+    while (end < imu.values.size() && imu.values[end] == imu.values[first]) ++end;
+    if (end - first >= kMinReadings &&
+        seconds_between(imu.stamps[first], imu.stamps[end - 1]) >= kMinDuration_s) {
+      std::fill(repeated.begin() + std::ptrdiff_t(first) + 1,
+                repeated.begin() + std::ptrdiff_t(end), true);
+    }
+    first = end;
+  }
+  return repeated;
 }
 
 TimeSeries<Vector6d> reject_imu_outliers(const TimeSeries<Vector6d>& imu) {
@@ -248,11 +253,12 @@ TimeSeries<Vector6d> reject_imu_outliers(const TimeSeries<Vector6d>& imu) {
   };
   TimeSeries<Vector6d> out{.stamps = {}, .values = {}, .max_gap_s = imu.max_gap_s};
   const std::size_t n = imu.values.size();
+  const std::vector<bool> repeated = repeated_readings(imu);
   for (std::size_t i = 0; i < n; ++i) {
     const Vector6d& value = imu.values[i];
     const bool is_spike = i > 0 && i + 1 < n && jumps_from(value, imu.values[i - 1]) &&
                           jumps_from(value, imu.values[i + 1]);
-    if (is_spike || value.isZero(0)) continue;
+    if (is_spike || repeated[i] || value.isZero(0)) continue;
     out.stamps.push_back(imu.stamps[i]);
     out.values.push_back(value);
   }

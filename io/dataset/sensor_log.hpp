@@ -66,8 +66,12 @@ inline constexpr double kMaxReadingAge_s = 0.05;
 [[nodiscard]] TimeSeries<Vector6d> read_accelerations(const std::filesystem::path& file);
 [[nodiscard]] TimeSeries<Vector6d> read_imu(const std::filesystem::path& file);
 
-/// Removes rows of zeros (written by drivers without a measurement) and single readings that differ
-/// from both neighbours by more than 10 rad/s or 80 m/s^2.
+/// True for the readings after the first of a run of at least 20 equal ones over 0.25 s: a sensor
+/// that has stopped, while its driver goes on. Noise makes a working one's readings differ.
+[[nodiscard]] std::vector<bool> repeated_readings(const TimeSeries<Vector6d>& imu);
+
+/// Removes rows of zeros (written by drivers without a measurement), repeated readings, and single
+/// readings that differ from both neighbours by more than 10 rad/s or 80 m/s^2.
 [[nodiscard]] TimeSeries<Vector6d> reject_imu_outliers(const TimeSeries<Vector6d>& imu);
 
 }  // namespace stillkite

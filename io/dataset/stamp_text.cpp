@@ -74,6 +74,15 @@ std::optional<Timestamp> parse_stamp(std::string_view text, int unit_exponent) {
   return Timestamp{decimal->negative ? -value : value};
 }
 
+bool has_fraction(std::string_view number) {
+  const std::optional<Decimal> decimal = parse_decimal(number);
+  if (!decimal || decimal->exponent >= 0) return false;
+  const auto decimals = static_cast<std::size_t>(-decimal->exponent);
+  const std::string& digits = decimal->digits;
+  const std::size_t point = decimals < digits.size() ? digits.size() - decimals : 0;
+  return digits.find_first_not_of('0', point) != std::string::npos;
+}
+
 std::string print_seconds(Timestamp stamp) {
   const std::int64_t whole = stamp.ns / 1'000'000'000;
   const std::int64_t rest = std::abs(stamp.ns % 1'000'000'000);

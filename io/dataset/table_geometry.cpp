@@ -11,10 +11,6 @@ Eigen::Vector3d vector_at(const TableReader& table, std::size_t column, const Ra
           table.number(column + 2, range)};
 }
 
-std::vector<Unit> units_of_vectors(Unit first, Unit second) {
-  return {first, first, first, second, second, second};
-}
-
 Eigen::Quaterniond quaternion_at(const TableReader& table, std::size_t w, std::size_t xyz) {
   const Eigen::Vector3d v = vector_at(table, xyz);
   const Eigen::Quaterniond q(table.number(w), v.x(), v.y(), v.z());

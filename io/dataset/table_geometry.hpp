@@ -11,9 +11,6 @@ namespace stillkite {
 [[nodiscard]] Eigen::Vector3d vector_at(const TableReader& table, std::size_t column,
                                         const Range& range = kAny);
 
-/// Units of two vectors, three columns each.
-[[nodiscard]] std::vector<Unit> units_of_vectors(Unit first, Unit second);
-
 /// Normalized quaternion of four cells; throws InputError if the norm differs from 1 by over 1 %.
 [[nodiscard]] Eigen::Quaterniond quaternion_at(const TableReader& table, std::size_t w,
                                                std::size_t xyz);

@@ -33,7 +33,7 @@ bool looks_like_data(std::string_view cell) {
 
 std::string abbreviated(std::string_view cell) {
   constexpr std::size_t kMax = 40;
-  return cell.size() <= kMax ? std::string(cell) : std::string(cell.substr(0, kMax)) + "...";
+  return fmt::format("{}{}", cell.substr(0, kMax), cell.size() > kMax ? "..." : "");
 }
 
 // Unit of a stamp since 1970 by its digits: seconds have 10.
@@ -50,25 +50,45 @@ std::string_view unit_of_large_stamp(std::string_view cell) {
   }
 }
 
-bool is_geographic(std::string_view column_name) {
-  std::string name(column_name);
-  std::ranges::transform(name, name.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const std::size_t end = name.find_first_of(" _[(");
-  const std::string word = name.substr(0, end);
-  return word == "lat" || word == "lon" || word == "lng" || word == "latitude" ||
-         word == "longitude";
+// Lines end with LF; without any, CR ends them.
+std::string with_line_feeds(std::string text) {
+  if (text.find('\n') == std::string::npos) std::ranges::replace(text, '\r', '\n');
+  return text;
+}
+
+std::string_view first_row(std::string_view content) {
+  while (!content.empty()) {
+    const std::size_t end = std::min(content.find('\n'), content.size());
+    const std::string_view line = trimmed(content.substr(0, end));
+    if (!line.empty() && line[0] != '#') return line;
+    content.remove_prefix(std::min(end + 1, content.size()));
+  }
+  return {};
+}
+
+// Semicolons are used with decimal commas, so they come first.
+char delimiter_of(std::string_view row) {
+  for (const char delimiter : {';', ',', '\t'}) {
+    if (row.find(delimiter) != std::string_view::npos) return delimiter;
+  }
+  return ',';
+}
+
+std::string_view unquoted(std::string_view cell) {
+  const bool is_quoted = cell.size() >= 2 && cell.front() == '"' && cell.back() == '"';
+  return is_quoted ? trimmed(cell.substr(1, cell.size() - 2)) : cell;
 }
 
 }  // namespace
 
 TableReader::TableReader(const std::filesystem::path& file, Separator separator,
-                         std::size_t min_columns, std::vector<Unit> units)
+                         std::size_t min_columns, std::vector<Column> columns)
     : file_(file.string()),
-      content_(read_text_file(file)),
+      content_(with_line_feeds(read_text_file(file))),
       separator_(separator),
+      delimiter_(delimiter_of(first_row(content_))),
       min_columns_(min_columns),
-      units_(std::move(units)),
+      columns_(std::move(columns)),
       unit_exponent_(separator == Separator::blank ? 9 : 0) {}
 
 bool TableReader::next() {
@@ -89,28 +109,28 @@ bool TableReader::next() {
       continue;
     }
     in_rows_ = true;
-    if (!std::exchange(units_are_checked_, true)) check_units();
-    if (cells_.size() < min_columns_) {
-      reject(fmt::format("{} columns, expected at least {} separated by {}", cells_.size(),
-                         min_columns_, separator_ == Separator::comma ? "commas" : "blanks"));
+    if (!std::exchange(names_are_checked_, true)) {
+      check_names();
+      check_units();
     }
+    if (cells_.size() < min_columns_) reject(column_count_problem());
     // a comment with few names is not a header; a trailing comma adds no cell
     const std::size_t filled = cells_.size() - (cells_.back().empty() ? 1 : 0);
     if (names_.size() >= min_columns_ && filled > names_.size()) {
       reject(fmt::format("{} columns, but the header names {}; do not use decimal commas", filled,
                          names_.size()));
     }
+    ++rows_;
     return true;
   }
+  check_interval();
   return false;
 }
 
 Timestamp TableReader::stamp() {
   const std::optional<Timestamp> stamp = parse_stamp(cells_[0], unit_exponent_);
   if (!stamp) reject(stamp_problem());
-  const std::size_t point = cells_[0].find('.');
-  if (unit_exponent_ == 0 && point != std::string_view::npos &&
-      cells_[0].find_first_not_of('0', point + 1) != std::string_view::npos) {
+  if (unit_exponent_ == 0 && has_fraction(cells_[0])) {
     reject(
         fmt::format("time stamp '{}' is not an integer of nanoseconds; for seconds name the column "
                     "'timestamp [s]' in the header",
@@ -121,6 +141,7 @@ Timestamp TableReader::stamp() {
         "time stamp {} {} line {}; sort the file and remove duplicates", abbreviated(cells_[0]),
         *stamp == *last_stamp_ ? "repeats that of" : "is earlier than that of", last_stamp_line_));
   }
+  if (!first_stamp_) first_stamp_ = stamp;
   last_stamp_ = stamp;
   last_stamp_line_ = line_;
   return *stamp;
@@ -132,7 +153,9 @@ double TableReader::number(std::size_t column, const Range& range) const {
   double value = 0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
-    reject(fmt::format("{}: '{}' is not a finite number", column_name(column), abbreviated(cell)));
+    const bool has_comma = cell.find(',') != std::string_view::npos;
+    reject(fmt::format("{}: '{}' is not a finite number{}", column_name(column), abbreviated(cell),
+                       has_comma ? "; use decimal points" : ""));
   }
   if (!range.contains(value)) {
     reject(fmt::format("{}: {} is out of range, allowed: {}{}, {}]", column_name(column),
@@ -142,7 +165,11 @@ double TableReader::number(std::size_t column, const Range& range) const {
 }
 
 void TableReader::reject(const std::string& problem) const {
-  throw InputError(fmt::format("{}:{}: {}", file_, line_, problem));
+  const bool is_cut = at_ > content_.size();  // no line end
+  throw InputError(fmt::format(
+      "{}:{}: {}{}", file_, line_, problem,
+      is_cut && line_ > 1 ? "; the file ends within this line: remove it if it is incomplete"
+                          : ""));
 }
 
 void TableReader::parse_names(std::string_view line) {
@@ -177,27 +204,48 @@ void TableReader::check_units() const {
                     "or [us] in the name",
                     line, names_[0]));
   }
-  for (std::size_t i = 0; i < units_.size() && i + 1 < names_.size(); ++i) {
-    if (units_[i] == Unit::metre && is_geographic(names_[i + 1])) {
-      throw InputError(fmt::format(
-          "{}: column '{}': positions must be in metres, x, y, z in one local frame (for "
-          "example east, north, up); convert latitude and longitude",
-          line, names_[i + 1]));
-    }
-    if (unit_in(names_[i + 1]).value_or(units_[i]) == units_[i]) continue;
+  for (std::size_t i = 0; i < columns_.size() && i + 1 < names_.size(); ++i) {
+    const std::optional<Unit> expected = unit_of(columns_[i]);
+    if (!expected || unit_in(names_[i + 1]).value_or(*expected) == *expected) continue;
     throw InputError(fmt::format("{}: column '{}' must be in {}; convert it or reorder the columns",
-                                 line, names_[i + 1], symbol_of(units_[i])));
+                                 line, names_[i + 1], symbol_of(*expected)));
+  }
+}
+
+// A comment of few words is not a header.
+void TableReader::check_names() const {
+  if (names_.size() < std::min(min_columns_, cells_.size())) return;
+  const auto reject_name = [&](const std::string& name, const std::string& problem) {
+    throw InputError(fmt::format("{}:{}: column '{}': {}", file_, names_line_, name, problem));
+  };
+  const Column first = column_named(names_[0]);
+  if (first.quantity && *first.quantity != Quantity::time) {
+    reject_name(names_[0], fmt::format("{} by its name; the first column must be the time stamp",
+                                       description_of(first)));
+  }
+  for (std::size_t i = 0; i < columns_.size() && i + 1 < names_.size(); ++i) {
+    const Column named = column_named(names_[i + 1]);
+    if (is_compatible(named, columns_[i])) continue;
+    if (named.quantity == Quantity::latitude_longitude) {
+      reject_name(names_[i + 1],
+                  "positions must be in metres, x, y, z in one local frame (for example east, "
+                  "north, up); convert latitude and longitude");
+    }
+    reject_name(
+        names_[i + 1],
+        fmt::format("{} by its name, expected {}; the column order is time stamp, {}",
+                    description_of(named), description_of(columns_[i]), description_of(columns_)));
   }
 }
 
 void TableReader::split(std::string_view line) {
   cells_.clear();
   if (separator_ == Separator::comma) {
-    for (std::size_t comma; (comma = line.find(',')) != std::string_view::npos;) {
-      cells_.push_back(trimmed(line.substr(0, comma)));
-      line.remove_prefix(comma + 1);
+    for (std::size_t end; (end = line.find(delimiter_)) != std::string_view::npos;) {
+      cells_.push_back(unquoted(trimmed(line.substr(0, end))));
+      line.remove_prefix(end + 1);
     }
-    cells_.push_back(trimmed(line));
+    cells_.push_back(unquoted(trimmed(line)));
     return;
   }
   while (!(line = trimmed(line)).empty()) {
@@ -212,13 +260,41 @@ std::string TableReader::stamp_problem() const {
   const std::string cell = abbreviated(cells_[0]);
   constexpr int kNanosecond = 0, kSecond = 9;
   if (unit_exponent_ != kSecond || !parse_stamp(cells_[0], kNanosecond)) {
-    return fmt::format("'{}' is not a time stamp", cell);
+    return fmt::format(
+        "'{}' is not a time stamp; expected a number{}", cell,
+        in_rows_ && !looks_like_data(cells_[0]) ? ", remove lines of text from the table" : "");
   }
   return fmt::format("time stamp '{}' is too large for seconds, but plausible as {}; {}", cell,
                      unit_of_large_stamp(cells_[0]),
                      separator_ == Separator::blank
                          ? "a file separated by blanks (TUM) has seconds: convert the stamps"
                          : "name their unit in the header: [ms], [us] or [ns]");
+}
+
+// No sensor has 10 000 readings per second.
+void TableReader::check_interval() const {
+  constexpr double kMinInterval_s = 0.9e-4;
+  constexpr int kMinRows = 10;
+  const bool has_unit = !names_.empty() && unit_in_brackets(names_[0]);
+  if (separator_ == Separator::blank || has_unit || rows_ < kMinRows || !first_stamp_) return;
+  const double interval_s = seconds_between(*first_stamp_, *last_stamp_) / (rows_ - 1);
+  if (interval_s >= kMinInterval_s) return;
+  const bool is_micro = 1e3 * interval_s >= kMinInterval_s;
+  throw InputError(fmt::format(
+      "{}: the rows are {:.2g} s apart; their time stamps are probably {}: name the first column "
+      "'timestamp [{}]'",
+      file_, interval_s, is_micro ? "microseconds" : "milliseconds", is_micro ? "us" : "ms"));
+}
+
+std::string TableReader::column_count_problem() const {
+  if (separator_ == Separator::blank) {
+    return fmt::format("{} columns, expected at least {} separated by blanks", cells_.size(),
+                       min_columns_);
+  }
+  const bool by_blanks = cells_.size() == 1 && cells_[0].find(' ') != std::string_view::npos;
+  return fmt::format("{} columns, expected at least {} separated by commas{}", cells_.size(),
+                     min_columns_,
+                     by_blanks ? "; this line is separated by blanks: use commas" : "");
 }
 
 std::string TableReader::column_name(std::size_t column) const {

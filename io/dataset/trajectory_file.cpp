@@ -22,7 +22,10 @@ struct Layout {
 };
 
 std::size_t count_cells(std::string_view line, Separator separator) {
-  if (separator == Separator::comma) return std::ranges::count(line, ',') + std::size_t{1};
+  if (separator == Separator::comma) {
+    const char delimiter = line.find(';') == std::string_view::npos ? ',' : ';';
+    return std::ranges::count(line, delimiter) + std::size_t{1};
+  }
   std::istringstream words{std::string(line)};
   return std::distance(std::istream_iterator<std::string>(words), {});
 }
@@ -36,7 +39,7 @@ Layout layout_of(const fs::path& file) {
     const bool is_first = !layout;
     if (is_first) {
       layout.emplace().separator =
-          line.find(',') != std::string::npos ? Separator::comma : Separator::blank;
+          line.find_first_of(",;") != std::string::npos ? Separator::comma : Separator::blank;
     }
     const bool is_header = std::isalpha(static_cast<unsigned char>(line[0])) != 0;
     if (is_header && is_first) continue;
@@ -55,8 +58,17 @@ fs::path trajectory_of(const fs::path& path) {
                    "trajectory.tum");
 }
 
+std::vector<Column> pose_columns(Separator separator, bool with_attitude) {
+  std::vector<Column> columns = vector_columns({Quantity::position});
+  if (!with_attitude) return columns;
+  for (const char axis : std::string_view(separator == Separator::comma ? "wxyz" : "xyzw")) {
+    columns.push_back({Quantity::quaternion, axis});
+  }
+  return columns;
+}
+
 std::vector<StampedPose> read_poses(const fs::path& file, Separator separator, bool with_attitude) {
-  TableReader table(file, separator, with_attitude ? 8 : 4, std::vector(3, Unit::metre));
+  TableReader table(file, separator, with_attitude ? 8 : 4, pose_columns(separator, with_attitude));
   std::vector<StampedPose> poses;
   while (table.next()) {
     const Timestamp stamp = table.stamp();
@@ -93,6 +105,12 @@ std::optional<fs::path> find_trajectory(const fs::path& path) {
 std::vector<StampedPose> read_trajectory(const fs::path& path) {
   const fs::path file = trajectory_of(path);
   const Layout layout = layout_of(file);
+  constexpr std::size_t kKitti = 12;
+  if (layout.separator == Separator::blank && layout.columns == kKitti) {
+    throw InputError(file.string() +
+                     ": 12 columns are poses without time stamps (KITTI); convert them to TUM: t x "
+                     "y z qx qy qz qw");
+  }
   return read_poses(file, layout.separator, layout.columns != 4);
 }
 
@@ -110,7 +128,7 @@ bool has_attitude(std::span<const StampedPose> poses) {
 
 std::vector<StampedTwist> read_twists(const fs::path& file) {
   TableReader table(file, Separator::comma, 7,
-                    units_of_vectors(Unit::metre_per_s, Unit::radian_per_s));
+                    vector_columns({Quantity::velocity, Quantity::angular_rate}));
   std::vector<StampedTwist> twists;
   while (table.next()) {
     const Timestamp stamp = table.stamp();
@@ -120,7 +138,7 @@ std::vector<StampedTwist> read_twists(const fs::path& file) {
 }
 
 std::vector<StampedVelocity> read_velocities(const fs::path& file) {
-  TableReader table(file, Separator::comma, 4, std::vector(3, Unit::metre_per_s));
+  TableReader table(file, Separator::comma, 4, vector_columns({Quantity::velocity}));
   std::vector<StampedVelocity> velocities;
   while (table.next()) {
     const Timestamp stamp = table.stamp();

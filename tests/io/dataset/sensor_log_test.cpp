@@ -200,12 +200,49 @@ TEST(SensorLog, RejectsImuSpikesAndZeroRows) {
   EXPECT_EQ(valid.values[2], at_rest);
 }
 
+// A driver that repeats the last reading while the sensor has stopped.
+TEST(SensorLog, RejectsReadingsThatRepeat) {
+  TimeSeries<Vector6d> imu;
+  for (int i = 0; i < 200; ++i) {
+    const bool is_stuck = i > 60 && i < 140;
+    imu.stamps.push_back(at_s(0.005 * i));
+    imu.values.push_back((Vector6d() << 0.01 * (is_stuck ? 60 : i), 0, 0, 0, 0, 9.8).finished());
+  }
+  const TimeSeries<Vector6d> valid = reject_imu_outliers(imu);
+  ASSERT_EQ(valid.stamps.size(), 200u - 79u);
+  EXPECT_EQ(valid.stamps[60], at_s(0.3));
+  EXPECT_EQ(valid.stamps[61], at_s(0.7));
+  // readings repeated a few times, as by a log of a higher rate, are kept
+  for (std::size_t i = 0; i < imu.values.size(); ++i) {
+    imu.values[i][0] = 0.01 * static_cast<double>(i / 10);
+  }
+  EXPECT_EQ(reject_imu_outliers(imu).stamps.size(), 200u);
+}
+
+TEST(SensorLog, NamesTheUnitOfStampsThatAreNoNanoseconds) {
+  const TemporaryFolder folder;
+  const auto error_of = [&](const char* name, double scale, double interval_s) {
+    std::string rows = std::string(name) + ",h\n";
+    for (int i = 0; i < 20; ++i)
+      rows += fmt::format("{},1\n", std::llround(scale * i * interval_s));
+    const auto file = folder.file("h.csv", rows);
+    return input_error_of(folder, [&] { (void)read_heights(file); });
+  };
+  EXPECT_EQ(error_of("t", 1e6, 0.005),
+            "h.csv: the rows are 5e-06 s apart; their time stamps are probably microseconds: "
+            "name the first column 'timestamp [us]'");
+  EXPECT_NE(error_of("t", 1e3, 0.005).find("probably milliseconds"), std::string::npos);
+  EXPECT_EQ(error_of("t", 1e9, 0.005), "accepted");
+  EXPECT_EQ(error_of("t", 1e9, 0.0001), "accepted");
+  EXPECT_EQ(error_of("t [us]", 1e6, 0.00005), "accepted");
+}
+
 TEST(SensorLog, RejectsAngularRateInAccelerationColumn) {
   const TemporaryFolder folder;
   const auto file = folder.file("a.csv", "timestamp [ns],wx,wy,wz,ax,ay,az\n1,0,0,0,0,0,9.8\n");
   EXPECT_EQ(input_error_of(folder, [&] { (void)read_accelerations(file); }),
-            "a.csv:2: column 'wx' is an angular rate; column order: ax, ay, az [, angular "
-            "acceleration]");
+            "a.csv:1: column 'wx': angular rate x by its name, expected acceleration x; the column "
+            "order is time stamp, acceleration x, y, z, angular acceleration x, y, z");
 }
 
 TEST(SensorLog, RejectsImplausibleImuReadings) {
@@ -221,7 +258,7 @@ TEST(SensorLog, RejectsImplausibleImuReadings) {
   EXPECT_NE(error("1,0,0,0,0,0,1e5\n").find("out of range"), std::string::npos);
   for (const char* name : {"ax", "acc_x", "a_RS_S_x", "linear_acceleration.x"}) {
     EXPECT_NE(error(std::string("timestamp [ns],") + name + ",b,c,d,e,f\n1,0,0,9.8,0,0,0\n")
-                  .find("must be an angular rate"),
+                  .find("acceleration x by its name, expected angular rate x"),
               std::string::npos)
         << name;
   }

@@ -27,6 +27,29 @@ TEST(TrajectoryFile, TumReadsBackExactly) {
   EXPECT_EQ(read_trajectory(folder.path()).size(), poses.size());  // output folder of a run
 }
 
+TEST(TrajectoryFile, RejectsPosesWithoutStamps) {
+  const TemporaryFolder folder;
+  const auto file = folder.file("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
+  EXPECT_EQ(input_error_of(folder, [&] { (void)read_trajectory(file); }),
+            "kitti.txt: 12 columns are poses without time stamps (KITTI); convert them to TUM: t x "
+            "y z qx qy qz qw");
+}
+
+TEST(TrajectoryFile, RejectsAnotherOrderOfTheQuaternionByName) {
+  const TemporaryFolder folder;
+  const auto error = [&](const char* name, const std::string& text) {
+    const auto file = folder.file(name, text);
+    return input_error_of(folder, [&] { (void)read_trajectory(file); });
+  };
+  EXPECT_EQ(error("a.csv", "#t,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0,1\n"),
+            "a.csv:1: column 'qx': quaternion x by its name, expected quaternion w; the column "
+            "order is time stamp, position x, y, z, quaternion w, x, y, z");
+  EXPECT_EQ(error("a.tum", "# timestamp tx ty tz qw qx qy qz\n1 0 0 0 1 0 0 0\n"),
+            "a.tum:1: column 'qw': quaternion w by its name, expected quaternion x; the column "
+            "order is time stamp, position x, y, z, quaternion x, y, z, w");
+  EXPECT_EQ(error("b.tum", std::string(kTumHeader) + "1 0 0 0 0 0 0 1\n"), "accepted");
+}
+
 TEST(TrajectoryFile, RejectsLatitudeAndLongitude) {
   const TemporaryFolder folder;
   for (const char* header : {"#t [ns],lat,lon,alt", "t [ns],Latitude [deg],Longitude [deg],h"}) {
@@ -129,7 +152,7 @@ TEST(TrajectoryFile, NamesTheUnitOfStampsThatAreNoSeconds) {
   EXPECT_NE(error("1403636579763.5").find("plausible as milliseconds"), std::string::npos);
   EXPECT_NE(error("12345678901").find("milliseconds, microseconds or nanoseconds"),
             std::string::npos);
-  EXPECT_EQ(error("0x1"), "a.tum:1: '0x1' is not a time stamp");
+  EXPECT_EQ(error("0x1"), "a.tum:1: '0x1' is not a time stamp; expected a number");
 }
 
 TEST(TrajectoryFile, ReadsCameraTwists) {

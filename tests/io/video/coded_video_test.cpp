@@ -165,7 +165,7 @@ TEST(BareStream, CountsUndecodableImages) {
       {.codec = "mjpeg", .format = AV_PIX_FMT_YUVJ420P, .frames = 10, .paint = uniform([](int i) {
                                                                         return 20 + i;
                                                                       })});
-  std::string bytes = read_text_file(whole);
+  std::string bytes = read_bytes(whole);
   std::size_t at = 0;
   for (int i = 0; i < 5; ++i) at = bytes.find("\xFF\xC0", at + 1);  // size of image 4
   bytes.replace(at + 5, 4, 4, '\0');

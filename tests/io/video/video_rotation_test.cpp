@@ -31,7 +31,7 @@ std::vector<Frame> images_of(FrameSource& source) {
 
 // Replaces a, b, c, d of the display matrix, offset unchanged (ISO/IEC 14496-12, 8.3.2).
 fs::path with_matrix(const fs::path& file, std::array<int, 4> matrix) {
-  std::string bytes = read_text_file(file);
+  std::string bytes = read_bytes(file);
   std::size_t at = bytes.find("tkhd") + 4 + 40;
   for (const int term : {matrix[0], matrix[1], 0, matrix[2], matrix[3], 0}) {
     const auto fixed = static_cast<std::uint32_t>(term) << 16;

@@ -62,7 +62,7 @@ TEST(VideoWriter, IsDeterministic) {
   const TemporaryFolder folder;
   encode_pattern(folder.path() / "a.mp4", 25, {});
   encode_pattern(folder.path() / "b.mp4", 25, {});
-  EXPECT_EQ(read_text_file(folder.path() / "a.mp4"), read_text_file(folder.path() / "b.mp4"));
+  EXPECT_EQ(read_bytes(folder.path() / "a.mp4"), read_bytes(folder.path() / "b.mp4"));
 }
 
 // Uniform areas, since 4:2:0 subsamples chroma.
