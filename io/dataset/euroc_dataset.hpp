@@ -28,9 +28,4 @@ struct EurocDataset {
 /// ..." on stamps that do not increase and on missing images.
 [[nodiscard]] std::vector<StampedImage> read_image_list(const std::filesystem::path& images_csv);
 
-/// Images of a folder in the order of the numbers in their names, 1 / rate_hz apart. A skipped
-/// number is a missing image. Throws InputError if the folder has no image.
-[[nodiscard]] std::vector<StampedImage> list_images(const std::filesystem::path& folder,
-                                                    double rate_hz);
-
 }  // namespace stillkite

@@ -14,6 +14,7 @@
 #include "flow/image_pool.hpp"
 #include "geometry/stamp_filter.hpp"
 #include "io/dataset/euroc_dataset.hpp"
+#include "io/dataset/image_folder.hpp"
 #include "io/text_file.hpp"
 #include "io/video/bounded_queue.hpp"
 #include "io/video/image_sequence.hpp"
@@ -76,13 +77,7 @@ Reader open_reader(const SourceConfig& config) {
     if (config.rate_hz) restamp(listed, *config.rate_hz);
     return ImageSequence(images_between(std::move(listed), config), config.bits);
   }
-  const bool has_rate = config.rate_hz.has_value();
-  std::vector<StampedImage> images = list_images(path, has_rate ? *config.rate_hz : 1.0);
-  if (!has_rate) {
-    throw InputError(path.string() +
-                     ": the images have no time stamps; set their frame rate as "
-                     "source.rate_hz");
-  }
+  std::vector<StampedImage> images = list_images(path, config.rate_hz);
   return ImageSequence(images_between(std::move(images), config), config.bits);
 }
 
@@ -311,7 +306,9 @@ std::optional<std::string> FrameSource::problem() const {
   if (const std::optional<std::string> jitter = jitter_note(s.stamps)) add(path + *jitter);
   if (const std::optional<std::string> bursts = burst_note(s.stamps, s.read)) add(path + *bursts);
   if (s.out_of_order > 0) {
-    add(fmt::format("{}: {} of {} images have time stamps that do not increase and are skipped",
+    add(
+        fmt::format("{}: {} of {} images have time stamps that do not increase and are skipped; "
+                    "source.rate_hz stamps all images by counting",
                     path, s.out_of_order, s.read));
   }
   return found.empty() ? std::nullopt : std::optional(found);

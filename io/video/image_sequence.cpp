@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -19,6 +21,18 @@ bool load(const std::filesystem::path& file, std::vector<unsigned char>& bytes) 
   bytes.resize(static_cast<std::size_t>(size));
   stream.seekg(0);
   return static_cast<bool>(stream.read(reinterpret_cast<char*>(bytes.data()), size));
+}
+
+// Of a TIFF file with several pages only the first would be read.
+void reject_pages(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".tif" && extension != ".tiff") return;
+  const std::size_t pages = cv::imcount(file.string(), cv::IMREAD_GRAYSCALE);
+  if (pages < 2) return;
+  throw InputError(
+      fmt::format("{}: {} pages; split the file into images of one page", file.string(), pages));
 }
 
 }  // namespace
@@ -46,6 +60,7 @@ ReadResult ImageSequence::read(cv::Mat recycled) {
   const bool is_loaded = load(image.file, bytes_);
   const int orientation = is_loaded ? exif_orientation(bytes_) : 1;
   const bool rotates = orientation != 1 && !is_tiff(bytes_);  // OpenCV's TIFF decoder rotates
+  if (is_loaded && size_.empty()) reject_pages(image.file);
   cv::Mat grey;
   try {
     constexpr int kGrey =

@@ -186,6 +186,73 @@ TEST(FrameSource, TreatsSkippedNumbersAsMissingImages) {
 }
 
 // Most 16-bit image files use the lowest 10, 12 or 14 bits only.
+TEST(FrameSource, TreatsGapsBetweenStampNamesAsMissingImages) {
+  const auto frames_of = [](const std::vector<std::string>& names, double rate_hz) {
+    const TemporaryFolder folder;
+    for (const std::string& name : names) {
+      cv::imwrite((folder.path() / name).string(), image(0));
+    }
+    FrameSource source({.path = folder.path(), .rate_hz = rate_hz});
+    std::vector<double> frames;
+    for (const Frame& frame : read_all(source)) {
+      frames.push_back(std::round(to_seconds(frame.stamp) * rate_hz));
+    }
+    return frames;
+  };
+  const std::vector<double> expected{0, 1, 4, 5};
+  EXPECT_EQ(frames_of({"1403636579763555584.png", "1403636579813555456.png",
+                       "1403636579963555584.png", "1403636580013555200.png"},
+                      20),
+            expected);
+  EXPECT_EQ(frames_of({"1305031102.175304.png", "1305031102.211214.png", "1305031102.311267.png",
+                       "1305031102.343233.png"},
+                      30),
+            (std::vector<double>{0, 1, 4, 5}));
+  // two rates contradict each other
+  EXPECT_THROW(frames_of({"1403636579763555584.png", "1403636579813555456.png"}, 30), InputError);
+}
+
+TEST(FrameSource, RejectsSeveralSeriesOfImages) {
+  const auto error_of = [](const std::vector<std::string>& names) {
+    const TemporaryFolder folder;
+    for (const std::string& name : names) {
+      cv::imwrite((folder.path() / name).string(), image(0));
+    }
+    return input_error_of(folder, [&] { FrameSource({.path = folder.path(), .rate_hz = 30}); });
+  };
+  EXPECT_NE(error_of({"left_1.png", "left_2.png", "right_1.png", "right_2.png"})
+                .find("two series of images with equal numbers, left_#.png (2 images) and "
+                      "right_#.png (2)"),
+            std::string::npos);
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"cam0_1.png", "cam1_1.png", "cam0_2.png", "cam1_2.png"},
+        {"1.png", "2.png", "1_thumb.png", "2_thumb.png"},
+        {"1.png", "2.png", "1.jpg", "2.jpg"}}) {
+    EXPECT_NE(error_of(names), "accepted") << names[1];
+  }
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"a1.png", "a2.png", "b3.png", "b4.png"},
+        {"20260101_120000_0.png", "20260101_120000_1.png", "20260101_120001_0.png",
+         "20260101_120001_1.png"},
+        {"a.png", "b.png", "c.png"}}) {
+    EXPECT_EQ(error_of(names), "accepted") << names[1];
+  }
+}
+
+TEST(FrameSource, IgnoresHiddenFilesAndRejectsPages) {
+  const TemporaryFolder folder;
+  cv::imwrite((folder.path() / "1.png").string(), image(1));
+  folder.write("._1.png", "resource fork");
+  FrameSource source({.path = folder.path(), .rate_hz = 30});
+  EXPECT_EQ(read_all(source).size(), 1u);
+  EXPECT_EQ(source.rejected(), 0);
+  const TemporaryFolder pages;
+  ASSERT_TRUE(cv::imwritemulti((pages.path() / "all.tif").string(),
+                               std::vector<cv::Mat>{image(0), image(1), image(2)}));
+  EXPECT_EQ(input_error_of(pages, [&] { FrameSource({.path = pages.path(), .rate_hz = 30}); }),
+            "all.tif: 3 pages; split the file into images of one page");
+}
+
 TEST(FrameSource, ScalesImagesOf16BitsByTheirSignificantBits) {
   const TemporaryFolder folder;
   for (int i = 0; i < 3; ++i) {
