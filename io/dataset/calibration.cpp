@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "io/config/config_values.hpp"
 #include "io/dataset/calibration_keys.hpp"
+#include "io/dataset/camera_check.hpp"
 #include "io/dataset/opencv_xml.hpp"
 
 namespace stillkite {
@@ -73,8 +73,13 @@ void read_extrinsics(const ConfigNode& map, const std::string& prefix,
 // Pinhole camera of EuRoC and Kalibr, which differ in the key of the coefficients.
 Camera read_pinhole(const ConfigNode& root, const std::string& prefix,
                     const std::string& coefficients_key) {
-  constexpr auto kPinhole = std::to_array<std::string_view>({"pinhole"});
-  (void)read_choice(require(root, "camera_model"), prefix + "camera_model", kPinhole);
+  const ConfigNode& model_name = require(root, "camera_model");
+  if (model_name.text != "pinhole") {
+    reject_value(model_name, prefix + "camera_model",
+                 fmt::format("'{}' is not supported, only pinhole; calibrate with pinhole and "
+                             "radial-tangential or equidistant distortion",
+                             model_name.text));
+  }
   const auto resolution =
       read_numbers(require(root, "resolution"), prefix + "resolution", kPixels, 2);
   const auto intrinsics = read_numbers(require(root, "intrinsics"), prefix + "intrinsics", kAny, 4);
@@ -156,7 +161,9 @@ Calibration read_calibration(const ConfigNode& root) {
     throw InputError(
         root.origin +
         ": no camera calibration; supported formats: EuRoC sensor.yaml (key intrinsics), Kalibr "
-        "camchain (cam0), OpenCV (camera_matrix)");
+        "camchain (cam0), OpenCV (camera_matrix); of other formats copy the values to "
+        "calibration.camera: {width_px, height_px, focal_x_px, focal_y_px, centre_x_px, "
+        "centre_y_px, distortion, coefficients}");
   }
   check_camera(out.camera, root.origin);
   return out;
@@ -187,6 +194,12 @@ RigidTransform read_transform(const ConfigNode& node, const std::string& key) {
         "not a rigid transform: the rotation must be orthonormal and right-handed, the last row "
         "0 0 0 1");
   }
+  constexpr double kMaxTranslation_m = 20;
+  if (const double length = T.topRightCorner<3, 1>().norm(); length > kMaxTranslation_m) {
+    reject_value(node, key,
+                 fmt::format("the translation of {:.4g} m is above {} m; give it in metres", length,
+                             kMaxTranslation_m));
+  }
   return {Eigen::Quaterniond(R).normalized(), T.topRightCorner<3, 1>()};
 }
 
@@ -214,34 +227,6 @@ std::optional<std::string> set_distortion(Camera& camera, DistortionModel model,
   }
   return fmt::format("{} coefficients, expected {} for {}", n,
                      is_equidistant ? "4" : "4, 5 or 8 (12, 14: the last zero)", name_of(model));
-}
-
-void check_camera(const Camera& camera, const std::string& origin) {
-  const auto require_that = [&](bool holds, const std::string& problem) {
-    if (!holds) throw InputError(fmt::format("{}: {}", origin, problem));
-  };
-  constexpr double kMinFocalRatio = 0.1;
-  const auto [w, h] = std::pair<double, double>(camera.width_px, camera.height_px);
-  require_that(w > 0 && h > 0, fmt::format("resolution {} x {} is not positive", w, h));
-  require_that(camera.focal_x_px > 0 && camera.focal_y_px > 0 && camera.focal_x_px < 1e6 &&
-                   camera.focal_y_px < 1e6,
-               fmt::format("focal lengths {}, {} px must be positive (and below 1e6)",
-                           camera.focal_x_px, camera.focal_y_px));
-  require_that(
-      camera.focal_x_px > kMinFocalRatio * w && camera.focal_y_px > kMinFocalRatio * h,
-      fmt::format("focal lengths {}, {} px are below 10 % of the image size {} x {}; give them in "
-                  "pixels of this resolution",
-                  camera.focal_x_px, camera.focal_y_px, w, h));
-  require_that(
-      camera.centre_x_px >= 0 && camera.centre_x_px <= w && camera.centre_y_px >= 0 &&
-          camera.centre_y_px <= h,
-      fmt::format("principal point {}, {} px is outside the {} x {} image; give it in pixels of "
-                  "this resolution",
-                  camera.centre_x_px, camera.centre_y_px, w, h));
-  for (const double c : camera.coefficients) {
-    require_that(std::abs(c) < 1e6,
-                 fmt::format("distortion coefficient {} must be finite and below 1e6", c));
-  }
 }
 
 }  // namespace stillkite

@@ -38,8 +38,4 @@ struct Calibration {
 [[nodiscard]] std::optional<std::string> set_distortion(Camera& camera, DistortionModel model,
                                                         std::span<const double> coefficients);
 
-/// Throws InputError "origin: problem" unless resolution and focal lengths are positive, the focal
-/// lengths at least 10 % of the image, the principal point inside it and all numbers finite.
-void check_camera(const Camera& camera, const std::string& origin);
-
 }  // namespace stillkite

@@ -10,6 +10,7 @@
 
 #include "geometry/angle.hpp"
 #include "io/config/config_values.hpp"
+#include "io/dataset/camera_check.hpp"
 #include "io/dataset/lens_check.hpp"
 
 namespace stillkite {

@@ -236,7 +236,9 @@ TEST(Calibration, ReadsOpencvXml) {
 TEST(Calibration, ErrorsNameLocationKeyAndRemedy) {
   EXPECT_EQ(error_of("a: 1\n"),
             "c.yaml: no camera calibration; supported formats: EuRoC sensor.yaml (key intrinsics), "
-            "Kalibr camchain (cam0), OpenCV (camera_matrix)");
+            "Kalibr camchain (cam0), OpenCV (camera_matrix); of other formats copy the values to "
+            "calibration.camera: {width_px, height_px, focal_x_px, focal_y_px, centre_x_px, "
+            "centre_y_px, distortion, coefficients}");
   EXPECT_EQ(error_of(with(kEuroc, "resolution: [752, 480]\n", "")),
             "c.yaml:3:1: key 'resolution' is missing");
   EXPECT_EQ(error_of(with(kEuroc, "458.654", ".nan")),
@@ -246,7 +248,9 @@ TEST(Calibration, ErrorsNameLocationKeyAndRemedy) {
   EXPECT_EQ(error_of(with(kEuroc, "[752, 480]", "[0, 480]")),
             "c.yaml:12:14: resolution: 0 is out of range, allowed: [1, 100000]");
   EXPECT_EQ(error_of(with(kEuroc, "pinhole", "omni")),
-            "c.yaml:13:1: camera_model: 'omni' is not one of pinhole");
+            "c.yaml:13:1: camera_model: 'omni' is not supported, only pinhole; calibrate with "
+            "pinhole and "
+            "radial-tangential or equidistant distortion");
   EXPECT_EQ(error_of(with(kEuroc, "1.0, 0.0, 0.0, -0.2", "2.0, 0.0, 0.0, -0.2")),
             "c.yaml:4:1: T_BS: not a rigid transform: the rotation must be orthonormal and "
             "right-handed, the last row 0 0 0 1");
@@ -256,6 +260,16 @@ TEST(Calibration, ErrorsNameLocationKeyAndRemedy) {
   EXPECT_EQ(error_of(with(kEuroc, "458.654", "0.61")),
             "c.yaml: focal lengths 0.61, 457.296 px are below 10 % of the image size 752 x 480; "
             "give them in pixels of this resolution");
+  EXPECT_EQ(error_of(with(kEuroc, "458.654, 457.296, 367.215, 248.375",
+                          "458.654, 367.215, 457.296, 248.375")),
+            "c.yaml: intrinsics 458.654, 367.215, 457.296, 248.375 px are probably fu, cu, fv, cv; "
+            "the order is fu, fv, cu, cv");
+  EXPECT_NE(error_of(with(kEuroc, "458.654, 457.296, 367.215, 248.375",
+                          "367.215, 248.375, 458.654, 457.296"))
+                .find("probably cu, cv, fu, fv"),
+            std::string::npos);
+  EXPECT_EQ(error_of(with(kEuroc, "0.0, 1.0, 0.3", "0.0, 1.0, 300")),
+            "c.yaml:4:1: T_BS: the translation of 300 m is above 20 m; give it in metres");
   EXPECT_EQ(error_of(with(kKalibr, "0.01, ", "")),
             "c.yaml:9:3: cam0.distortion_coeffs: 3 coefficients, expected 4 for equidistant");
   EXPECT_EQ(error_of(with(kOpencv, "rows: 5", "rows: 6")),
