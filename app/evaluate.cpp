@@ -176,13 +176,19 @@ void run(const EvaluateArguments& arguments) {
   const TruthOnDisk disk = read_truth(arguments);
   const std::vector<StampedPose> estimate = read_trajectory(arguments.estimate);
   const std::vector<EvaluatedMotion> motions = evaluated_motions(estimate, has_attitude(estimate));
-  const Evaluation evaluation = evaluate(motions, truth_of(disk.truth, {}),
-                                         {.tolerance_s = arguments.tolerance_s,
-                                          .alignment = alignment_named(arguments.alignment),
-                                          .body_from_camera = disk.body_from_camera});
+  const EvaluationOptions options{.tolerance_s = arguments.tolerance_s,
+                                  .alignment = alignment_named(arguments.alignment),
+                                  .body_from_camera = disk.body_from_camera};
+  const Evaluation evaluation = evaluate(motions, truth_of(disk.truth, {}), options);
   reject_if_unmatched(evaluation, arguments, disk.truth, estimate);
   if (disk.truth.has_attitude && contradicts_constant_attitude(motions, disk.truth.poses)) {
     fmt::print(stderr, "stillkite: {}\n", kConstantAttitude);
+  }
+  if (options.alignment == Alignment::none) {
+    for (const std::string& message : truth_messages(motions, truth_of(disk.truth, {}), options,
+                                                     "--time-offset-s", arguments.time_offset_s)) {
+      fmt::print(stderr, "stillkite: {}\n", message);
+    }
   }
   if (arguments.json) {
     fmt::print("{}\n", json_text(evaluation_json(evaluation)));

@@ -1,8 +1,12 @@
 #include "app/run_evaluation.hpp"
 
+#include <fmt/core.h>
+
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "evaluation/truth_check.hpp"
 #include "geometry/angle.hpp"
 
 namespace stillkite {
@@ -82,6 +86,30 @@ EvaluationOptions options_of(const FlightInputs& inputs) {
   return {.body_from_camera = inputs.body_from_camera};
 }
 
+std::string description_of(const TruthMismatch& mismatch, std::string_view offset_option,
+                           double offset_s) {
+  const double percent = 100 * mismatch.explained_ratio;
+  switch (mismatch.cause) {
+    case TruthMismatch::Cause::clock:
+      return fmt::format(
+          "truth: a clock {:.2f} s {} explains {:.0f} % of the difference in speed: set {} to "
+          "{:.2f}",
+          std::abs(mismatch.value), mismatch.value > 0 ? "ahead" : "behind", percent, offset_option,
+          offset_s - mismatch.value);
+    case TruthMismatch::Cause::heading:
+      return fmt::format(
+          "truth: a rotation of {:.1f} deg about the vertical explains {:.0f} % of the position "
+          "error; check that its positions and attitudes are in one world frame, and the initial "
+          "yaw, or compare with stillkite evaluate --align yaw",
+          mismatch.value / kDegree, percent);
+    default:
+      return fmt::format(
+          "truth: lengths are {:.3g} times those of the estimate; give the truth in metres, and "
+          "check the initial height",
+          mismatch.value);
+  }
+}
+
 }  // namespace
 
 Truth truth_of(const GroundTruth& truth, const TruthConfig& config) {
@@ -98,6 +126,22 @@ Truth truth_of(const GroundTruth& truth, const TruthConfig& config) {
 std::int64_t frames_with_truth(const FlightInputs& inputs,
                                std::span<const EvaluatedMotion> motions) {
   return evaluate(motions, truth_of(inputs.truth, {}), options_of(inputs)).matched;
+}
+
+std::vector<std::string> truth_messages(std::span<const EvaluatedMotion> motions,
+                                        const Truth& truth, const EvaluationOptions& options,
+                                        std::string_view offset_option, double offset_s) {
+  std::vector<std::string> messages;
+  if (const std::optional<TruthJump> jump = truth_jump(truth.poses)) {
+    messages.push_back(fmt::format(
+        "truth: {} jump(s) of its position, the largest {:.2g} m before {:.3f} s; remove outliers "
+        "and rows without tracking",
+        jump->count, jump->length_m, to_seconds(jump->stamp)));
+  }
+  if (const std::optional<TruthMismatch> mismatch = truth_mismatch(motions, truth, options)) {
+    messages.push_back(description_of(*mismatch, offset_option, offset_s));
+  }
+  return messages;
 }
 
 json evaluation_json(const Evaluation& evaluation) {

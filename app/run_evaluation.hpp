@@ -4,6 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "evaluation/evaluation.hpp"
@@ -21,6 +23,14 @@ inline constexpr int kMinEvaluatedFrames = 3;
 /// Number of frames with a true pose, or of those with a true velocity if there is no pose.
 [[nodiscard]] std::int64_t frames_with_truth(const FlightInputs& inputs,
                                              std::span<const EvaluatedMotion> motions);
+
+/// Messages of truth_jump and truth_mismatch with their remedies; `offset_option` adds to the
+/// truth's stamps and is `offset_s` now.
+[[nodiscard]] std::vector<std::string> truth_messages(std::span<const EvaluatedMotion> motions,
+                                                      const Truth& truth,
+                                                      const EvaluationOptions& options,
+                                                      std::string_view offset_option,
+                                                      double offset_s);
 
 /// `evaluation` of summary.json; unavailable figures are null.
 [[nodiscard]] nlohmann::json evaluation_json(const Evaluation& evaluation);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/interrupt.hpp"
@@ -32,7 +33,15 @@ Messages uncovered_sensors(const EstimatorRun& run) {
     messages.emplace_back(kConstantAttitude);
   }
   const std::int64_t matched = frames_with_truth(run.inputs(), run.record().motions);
-  if (matched >= kMinEvaluatedFrames) return messages;
+  if (matched >= kMinEvaluatedFrames) {
+    for (std::string& message :
+         truth_messages(run.record().motions, truth_of(run.inputs().truth, {}),
+                        {.body_from_camera = run.inputs().body_from_camera}, "truth.time_offset_s",
+                        run.config().truth.time_offset_s)) {
+      messages.push_back(std::move(message));
+    }
+    return messages;
+  }
   const RowSpan truth = rows_of(run.inputs().truth);
   messages.push_back(fmt::format(
       "truth: rows at only {} images, no evaluation; it covers {:.3f} s to {:.3f} s, the images "
@@ -69,10 +78,25 @@ std::optional<std::string> no_ground_in_view(const FlightInputs& inputs) {
       std::atan2(up.z(), up.head<2>().norm()) / kDegree);
 }
 
+// z of map coordinates (UTM) is usually above sea level, not above the ground.
+std::optional<std::string> height_above_sea_level(const EstimatorRun& run) {
+  constexpr double kMaxDistance_m = 10'000;
+  const Eigen::Vector3d& position = run.inputs().initial.world_from_body.translation;
+  const bool is_local = position.head<2>().norm() < kMaxDistance_m;
+  if (!run.config().initial.from_truth || run.config().truth.ground_z_m != 0 || is_local) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "initial.from_truth: the truth is {:.0f} km from its origin (map coordinates), and its z of "
+      "{:.1f} m is taken as the height above the ground; set truth.ground_z_m",
+      1e-3 * position.head<2>().norm(), position.z());
+}
+
 Messages input_warnings(const EstimatorRun& run) {
   Messages messages;
   if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
   if (const auto message = no_ground_in_view(run.inputs())) messages.push_back(*message);
+  if (const auto message = height_above_sea_level(run)) messages.push_back(*message);
   if (run.inputs().mount_note) messages.push_back(*run.inputs().mount_note);
   const GroundTruth& truth = run.inputs().truth;
   if (!truth.has_attitude && run.config().truth.path) {
@@ -82,8 +106,9 @@ Messages input_warnings(const EstimatorRun& run) {
   }
   if (const std::size_t rejected = run.inputs().sensors.rejected_imu_readings; rejected > 0) {
     messages.push_back(fmt::format(
-        "imu.path: rejected {} of {} readings: all zero, or outliers to both neighbours", rejected,
-        rejected + run.inputs().sensors.imu.stamps.size()));
+        "imu.path: rejected {} of {} readings: all zero, the same for 0.25 s or more (sensor or "
+        "driver stopped), or outliers to both neighbours",
+        rejected, rejected + run.inputs().sensors.imu.stamps.size()));
   }
   constexpr double kMaxLeverArm_m = 0.01;
   if (const double arm_m = run.inputs().sensors.imu_lever_arm_m; arm_m > kMaxLeverArm_m) {

@@ -45,6 +45,45 @@ std::optional<Neighbours<Stamped>> neighbours(std::span<const Stamped> samples, 
       seconds_between(before.stamp, stamp) / seconds_between(before.stamp, after->stamp)};
 }
 
+double median_interval_s(std::span<const StampedPose> poses) {
+  if (poses.size() < 2) return 0;
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    intervals_s.push_back(seconds_between(poses[i - 1].stamp, poses[i].stamp));
+  }
+  return upper_median(intervals_s);
+}
+
+// True for estimates that are the nearest one to a row of the truth, at most `max_distance_s` away.
+std::vector<bool> nearest_to_a_row(std::span<const StampedPose> estimates,
+                                   std::span<const StampedPose> truth, double max_distance_s) {
+  std::vector<bool> is_nearest(estimates.size(), false);
+  for (const StampedPose& row : truth) {
+    auto nearest = first_not_before(estimates, row.stamp);
+    if (nearest != estimates.begin() &&
+        (nearest == estimates.end() || distance_s(std::prev(nearest)->stamp, row.stamp) <=
+                                           distance_s(nearest->stamp, row.stamp))) {
+      --nearest;
+    }
+    if (nearest == estimates.end()) continue;
+    if (distance_s(nearest->stamp, row.stamp) > max_distance_s) continue;
+    is_nearest[static_cast<std::size_t>(nearest - estimates.begin())] = true;
+  }
+  return is_nearest;
+}
+
+// Pose interpolated between two rows at most `max_interval_s` apart.
+std::optional<RigidTransform> pose_between(std::span<const StampedPose> poses, Timestamp stamp,
+                                           double max_interval_s) {
+  const auto after = first_not_before(poses, stamp);
+  if (after == poses.begin() || after == poses.end()) return std::nullopt;
+  const StampedPose& before = *std::prev(after);
+  const double interval_s = seconds_between(before.stamp, after->stamp);
+  if (interval_s > max_interval_s) return std::nullopt;
+  return interpolate(before.world_from_body, after->world_from_body,
+                     seconds_between(before.stamp, stamp) / interval_s);
+}
+
 }  // namespace
 
 std::optional<RigidTransform> pose_at(std::span<const StampedPose> poses, Timestamp stamp,
@@ -116,15 +155,19 @@ std::optional<Eigen::Vector3d> VelocityAssociation::next(Timestamp stamp, double
 
 std::vector<PosePair> associate(std::span<const StampedPose> estimates,
                                 std::span<const StampedPose> truth, double tolerance_s) {
+  constexpr double kMaxIntervals = 2.5, kHalf = 0.501;  // one missing row; with rounding
+  const double max_interval_s = kMaxIntervals * median_interval_s(truth);
+  const std::vector<bool> is_nearest =
+      nearest_to_a_row(estimates, truth, kHalf * median_interval_s(estimates));
   std::vector<PosePair> pairs;
   pairs.reserve(estimates.size());
   for (std::size_t i = 0; i < estimates.size(); ++i) {
-    const auto pose = pose_at(truth, estimates[i].stamp, tolerance_s);
+    const Timestamp stamp = estimates[i].stamp;
+    std::optional<RigidTransform> pose = pose_at(truth, stamp, tolerance_s);
+    if (!pose && is_nearest[i]) pose = pose_between(truth, stamp, max_interval_s);
     if (!pose) continue;
-    pairs.push_back({.index = i,
-                     .stamp = estimates[i].stamp,
-                     .estimate = estimates[i].world_from_body,
-                     .truth = *pose});
+    pairs.push_back(
+        {.index = i, .stamp = stamp, .estimate = estimates[i].world_from_body, .truth = *pose});
   }
   return pairs;
 }

@@ -69,7 +69,8 @@ class VelocityAssociation {
   std::size_t unused_ = 0;  // first row that may be used
 };
 
-/// Estimates with a true pose, in their own order.
+/// Estimates with a true pose, in their own order: by pose_at, and of a sparser truth the estimate
+/// nearest to each row, interpolated over at most 2.5 median intervals of the rows.
 [[nodiscard]] std::vector<PosePair> associate(std::span<const StampedPose> estimates,
                                               std::span<const StampedPose> truth,
                                               double tolerance_s);

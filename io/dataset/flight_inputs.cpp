@@ -27,7 +27,8 @@ FlightInputs read_flight_inputs(const RunConfig& config, const Frame& first) {
     throw InputError(fmt::format(
         "initial camera height {:.3f} m must be above the ground (z = 0): check {}",
         world_from_camera.translation.z(),
-        config.initial.from_truth ? "the truth's z" : "initial.height_m and mount.position_m"));
+        config.initial.from_truth ? "the truth's z, and truth.ground_z_m (the ground's z)"
+                                  : "initial.height_m and mount.position_m"));
   }
   return inputs;
 }

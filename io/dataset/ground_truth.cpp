@@ -2,8 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <span>
 #include <utility>
+#include <vector>
 
+#include "geometry/median.hpp"
 #include "io/dataset/trajectory_file.hpp"
 
 namespace stillkite {
@@ -30,6 +33,23 @@ GroundTruth read_poses(const TruthConfig& config, const std::optional<EurocDatas
     truth.twists_in_camera = read_twists(*dataset->camera_twists);
   }
   return truth;
+}
+
+// Rejects positions in millimetres.
+void check_speed(std::span<const StampedPose> poses, const TruthConfig& config) {
+  constexpr double kMaxSpeed_m_s = 340;
+  std::vector<double> speeds_m_s;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const double length_m =
+        (poses[i].world_from_body.translation - poses[i - 1].world_from_body.translation).norm();
+    speeds_m_s.push_back(length_m / seconds_between(poses[i - 1].stamp, poses[i].stamp));
+  }
+  if (speeds_m_s.empty()) return;
+  const double speed_m_s = median(std::move(speeds_m_s));
+  if (speed_m_s <= kMaxSpeed_m_s) return;
+  throw InputError(fmt::format(
+      "{}: the truth moves at {:.4g} m/s (median), expected below {}; give its positions in metres",
+      config.positions ? "truth.positions" : "truth.path", speed_m_s, kMaxSpeed_m_s));
 }
 
 }  // namespace
@@ -71,6 +91,7 @@ GroundTruth read_ground_truth(const TruthConfig& config,
   for (StampedPose& pose : truth.poses) {
     pose.world_from_body.translation.z() -= config.ground_z_m;
   }
+  check_speed(truth.poses, config);
   if (config.velocity) truth = with_velocities(std::move(truth), *config.velocity);
   return with_time_offset(std::move(truth), config.time_offset_s);
 }

@@ -18,7 +18,7 @@ InitialState initial_state_from_truth(const std::vector<StampedPose>& truth, Tim
   if (delay_s > 0.1 || first > truth.back().stamp) {
     throw InputError(fmt::format(
         "initial.from_truth: the truth covers {} s to {} s, the first frame is at {} s; "
-        "choose source.start_s within the truth",
+        "choose source.start_s within the truth, or set truth.time_offset_s",
         to_seconds(truth.front().stamp), to_seconds(truth.back().stamp), to_seconds(first)));
   }
   std::size_t i = 0;

@@ -54,13 +54,27 @@ TEST(TwistAt, ReturnsTheNearestSample) {
 
 TEST(Associate, KeepsTheIndexOfTheEstimate) {
   const std::vector<StampedPose> estimates{at(0.5, 1), at(1.0, 2), at(2.0, 3), at(3.0, 4)};
-  const std::vector<StampedPose> truth{at(1.0, 5), at(2.5, 6), at(3.0, 7)};
+  const std::vector<StampedPose> truth{at(1.0, 5), at(3.0, 7), at(3.01, 7)};
   const auto pairs = associate(estimates, truth, 0.01);
   ASSERT_EQ(pairs.size(), 2U);
   EXPECT_EQ(pairs[0].index, 1U);
   EXPECT_EQ(pairs[1].index, 3U);
   EXPECT_DOUBLE_EQ(pairs[1].estimate.translation.x(), 4);
   EXPECT_DOUBLE_EQ(pairs[1].truth.translation.x(), 7);
+}
+
+// GNSS at 5 Hz, 17 ms off the frames of a camera at 30 Hz: one estimate for each row between two.
+TEST(Associate, InterpolatesATruthBetweenFrames) {
+  std::vector<StampedPose> estimates, truth;
+  for (int i = 0; i <= 60; ++i) estimates.push_back(at(i / 30.0, 0));
+  for (int i = 0; i <= 9; ++i) truth.push_back(at(0.0167 + 0.2 * i, 10 * (0.0167 + 0.2 * i)));
+  const auto pairs = associate(estimates, truth, 0.01);
+  ASSERT_EQ(pairs.size(), 9U);
+  for (const PosePair& pair : pairs) {
+    EXPECT_NEAR(pair.truth.translation.x(), 10 * to_seconds(pair.stamp), 1e-9);
+  }
+  truth.erase(truth.begin() + 3, truth.begin() + 6);  // a gap of four intervals
+  EXPECT_EQ(associate(estimates, truth, 0.01).size(), 5U);
 }
 
 // Constant yaw rate on a straight path: the velocity is expressed at the mean yaw of both poses.

@@ -64,7 +64,7 @@ TEST_F(Inputs, InitialPoseIsTheTruthAtTheFirstFrame) {
   first.stamp = from_seconds(0.5);
   EXPECT_EQ(error(),
             "initial.from_truth: the truth covers 1 s to 2 s, the first frame is at 0.5 s; "
-            "choose source.start_s within the truth");
+            "choose source.start_s within the truth, or set truth.time_offset_s");
   config.truth.path.reset();
   EXPECT_NE(error().find("no truth; set truth.path"), std::string::npos);
 }
@@ -107,6 +107,20 @@ TEST_F(Inputs, RangeFinderGivesInitialHeight) {
   const FlightInputs inputs = read();
   EXPECT_EQ(inputs.initial.scale, ScaleSource::range);
   EXPECT_NEAR(inputs.initial.world_from_body.translation.z(), 9, 1e-9);
+}
+
+TEST_F(Inputs, RejectsMillimetresOfRangeAndTruth) {
+  config.height = {.source = HeightSource::range,
+                   .path = folder.file("h.csv", "t [s],h\n1.4,8000\n1.6,8100\n")};
+  EXPECT_EQ(error(),
+            "height.path: the median distance is 8100 m, expected below 3000 m; give it in metres, "
+            "or set initial.height_m");
+  config.height = {};
+  config.truth.positions =
+      folder.file("p.csv", "t [s],x,y,z\n0,0,0,8000\n1,2000,0,8000\n2,4000,0,8000\n");
+  EXPECT_EQ(error(),
+            "truth.positions: the truth moves at 2000 m/s (median), expected below 340; give its "
+            "positions in metres");
 }
 
 TEST_F(Inputs, RejectsRangeInconsistentWithInitialHeight) {
