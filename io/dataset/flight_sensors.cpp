@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "geometry/median.hpp"
 #include "io/config/config_values.hpp"
 #include "io/dataset/imu_description.hpp"
 #include "io/dataset/interpolation_noise.hpp"
@@ -26,6 +28,19 @@ bool remove_invalid_ranges(TimeSeries<double>& distances_m) {
   }
   distances_m = std::move(valid);
   return distances_m.stamps.empty();
+}
+
+// Rejects a range finder log in millimetres that sets the initial height.
+void check_distances(const std::vector<double>& distances_m) {
+  constexpr double kMaxDistance_m = 3000;
+  if (distances_m.empty()) return;
+  std::vector<double> values = distances_m;
+  const double distance_m = upper_median(values);
+  if (distance_m <= kMaxDistance_m) return;
+  throw InputError(fmt::format(
+      "height.path: the median distance is {:.4g} m, expected below {} m; give it in metres, or "
+      "set initial.height_m",
+      distance_m, kMaxDistance_m));
 }
 
 // Rejects a range finder log in millimetres, centimetres or feet.
@@ -94,7 +109,8 @@ void read_body_imu(const ImuLogConfig& config, std::optional<double> timeshift_c
   const TimeSeries<Vector6d> all = read_imu(*config.path);
   log.imu = reject_imu_outliers(all);
   log.rejected_imu_readings = all.stamps.size() - log.imu.stamps.size();
-  if (log.imu.stamps.empty()) throw InputError(config.path->string() + ": all readings are zero");
+  if (log.imu.stamps.empty())
+    throw InputError(config.path->string() + ": all readings are zero or equal");
   shift(log.imu, offset_s_of(config, timeshift_cam_imu_s));
   const std::optional<ImuDescription> description = read_imu_description(*config.path);
   const Eigen::Quaterniond rotation = body_from_sensor(config, "imu", description);
@@ -201,6 +217,9 @@ void reconcile_with_initial_state(const RunConfig& config, const InitialState& i
     check_rate_unit(sensors.imu, "imu.path");
   }
   check_range(sensors, initial, first);
+  if (config.height.source == HeightSource::range && initial.scale != ScaleSource::initial_height) {
+    check_distances(sensors.height_m.values);
+  }
   if (config.height.source == HeightSource::barometer) {
     align_barometer_to_initial_height(initial, first, sensors);
   }

@@ -235,6 +235,7 @@ std::optional<std::string> gyro_inconsistency(const TimeSeries<Vector3d>& gyro,
   constexpr int kMinPairs = 10;  // 1 s at least
   constexpr double kMinRate_rad_s = 0.5 * kDegree;
   constexpr double kConsistentFraction = 0.5, kMinExplainedFraction = 0.6, kMinEnergyRatio = 0.01;
+  constexpr double kMaxRateRatio = 10, kMinFast_rad_s = 20 * kDegree;
   constexpr double kMinOffset_s = 0.015, kMinOffsetSigmas = 6;
   const GyroIntegral sum(gyro);
   const std::vector<ObservedRotation> intervals = merged(observed);
@@ -242,7 +243,14 @@ std::optional<std::string> gyro_inconsistency(const TimeSeries<Vector3d>& gyro,
   if (measured.count < kMinPairs) return std::nullopt;
   const double mean_dt_s = measured.time_s / measured.count;
   const double rate_rad_s = std::sqrt(measured.pp / measured.count) / mean_dt_s;
-  if (rate_rad_s < kMinRate_rad_s) return std::nullopt;
+  const double gyro_rate_rad_s = std::sqrt(measured.gg / measured.count) / mean_dt_s;
+  const double rate_ratio = gyro_rate_rad_s / std::max(rate_rad_s, kMinRate_rad_s);
+  const bool is_too_fast = rate_ratio > kMaxRateRatio && gyro_rate_rad_s > kMinFast_rad_s;
+  const std::string too_fast = fmt::format(
+      "the gyroscope measures {:.0f} deg/s, the images rotate at {:.1f} deg/s; give the angular "
+      "rates in rad/s, or check the axes",
+      gyro_rate_rad_s / kDegree, rate_rad_s / kDegree);
+  if (rate_rad_s < kMinRate_rad_s) return is_too_fast ? std::optional(too_fast) : std::nullopt;
   if (measured.gg < kMinEnergyRatio * measured.pp) {
     return fmt::format("the images rotate at {:.1f} deg/s, the gyroscope measures no rotation",
                        rate_rad_s / kDegree);
@@ -264,7 +272,9 @@ std::optional<std::string> gyro_inconsistency(const TimeSeries<Vector3d>& gyro,
     best = std::max({degrees, rotated_axes, best},
                     [](const auto& a, const auto& b) { return a.explained < b.explained; });
   }
-  if (best.explained < kMinExplainedFraction) return std::nullopt;
+  if (best.explained < kMinExplainedFraction) {
+    return is_too_fast ? std::optional(too_fast) : std::nullopt;
+  }
   return fmt::format(
       "gyroscope and image rotations disagree; {} would explain {:.0f} % of the image rotation",
       best.description, 100 * best.explained);

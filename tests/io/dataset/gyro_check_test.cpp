@@ -163,6 +163,19 @@ TEST(GyroCheck, DetectsGyroscopeWithoutSignal) {
   EXPECT_TRUE(mentions(f, "measures no rotation")) << message(f);
 }
 
+// Image rotations that are wrong themselves, by a prior of the gyroscope: no hypothesis explains
+// them.
+TEST(GyroCheck, ReportsAGyroscopeFasterThanTheImages) {
+  Flight f = flight();
+  for (Vector3d& rate : f.gyro.values) rate *= 180 / std::numbers::pi;
+  std::mt19937 random(3);
+  std::normal_distribution<double> error(0, 0.02);
+  for (ObservedRotation& rotation : f.observed) {
+    rotation.rotation_in_body_rad += Vector3d(error(random), error(random), error(random));
+  }
+  EXPECT_TRUE(mentions(f, "give the angular rates in rad/s")) << message(f);
+}
+
 TEST(GyroCheck, IgnoresSmallRotations) {
   Flight f = flight();
   for (ObservedRotation& rotation : f.observed) rotation.rotation_in_body_rad *= 0.02;
