@@ -127,6 +127,18 @@ Eigen::Vector3d rates_at(const TableReader& row) {
   return rates_rad_s;
 }
 
+Eigen::Vector3d forces_at(const TableReader& row) {
+  const Eigen::Vector3d forces_m_s2 = vector_at(row, 4);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double force_m_s2 = forces_m_s2[static_cast<Eigen::Index>(i)];
+    if (kForces_m_s2.contains(force_m_s2)) continue;
+    row.reject(fmt::format(
+        "{}: {} is out of range, allowed: [{}, {}] m/s^2; convert raw counts and mg to m/s^2",
+        row.column_name(i + 4), force_m_s2, kForces_m_s2.min, kForces_m_s2.max));
+  }
+  return forces_m_s2;
+}
+
 std::vector<Timestamp> without_jitter(std::span<const Timestamp> stamps) {
   StampFilter filter;
   filter.initialize(stamps);
@@ -221,7 +233,7 @@ TimeSeries<Vector6d> read_imu(const std::filesystem::path& file) {
                                    vector_columns({Quantity::angular_rate, Quantity::acceleration}),
                                    [](const TableReader& row) {
                                      const Eigen::Vector3d rates = rates_at(row);
-                                     const Eigen::Vector3d forces = vector_at(row, 4, kForces_m_s2);
+                                     const Eigen::Vector3d forces = forces_at(row);
                                      return (Vector6d() << rates, forces).finished();
                                    });
   imu.stamps = without_jitter(imu.stamps);

@@ -136,11 +136,7 @@ Timestamp TableReader::stamp() {
                     "'timestamp [s]' in the header",
                     abbreviated(cells_[0])));
   }
-  if (last_stamp_ && *stamp <= *last_stamp_) {
-    reject(fmt::format(
-        "time stamp {} {} line {}; sort the file and remove duplicates", abbreviated(cells_[0]),
-        *stamp == *last_stamp_ ? "repeats that of" : "is earlier than that of", last_stamp_line_));
-  }
+  if (last_stamp_ && *stamp <= *last_stamp_) reject(order_problem(*stamp));
   if (!first_stamp_) first_stamp_ = stamp;
   last_stamp_ = stamp;
   last_stamp_line_ = line_;
@@ -269,6 +265,26 @@ std::string TableReader::stamp_problem() const {
                      separator_ == Separator::blank
                          ? "a file separated by blanks (TUM) has seconds: convert the stamps"
                          : "name their unit in the header: [ms], [us] or [ns]");
+}
+
+// Rows out of order are a few intervals early; a clock that restarts goes back further.
+std::string TableReader::order_problem(Timestamp stamp) const {
+  constexpr double kMinReset_s = 0.5;
+  const double back_s = seconds_between(stamp, *last_stamp_);
+  const std::string cell = abbreviated(cells_[0]);
+  if (back_s == 0) {
+    return fmt::format("time stamp {} repeats that of line {}; sort the file and remove duplicates",
+                       cell, last_stamp_line_);
+  }
+  if (back_s < kMinReset_s) {
+    return fmt::format(
+        "time stamp {} is earlier than that of line {}; sort the file and remove duplicates", cell,
+        last_stamp_line_);
+  }
+  return fmt::format(
+      "time stamp {} is {:.3g} s earlier than that of line {}: the clock was reset, or a counter "
+      "wrapped; correct the stamps from here, or remove one part",
+      cell, back_s, last_stamp_line_);
 }
 
 // No sensor has 10 000 readings per second.

@@ -57,6 +57,7 @@ class TableReader {
   void check_interval() const;
   void split(std::string_view line);
   [[nodiscard]] std::string stamp_problem() const;
+  [[nodiscard]] std::string order_problem(Timestamp stamp) const;
   [[nodiscard]] std::string column_count_problem() const;
 
   std::string file_;

@@ -145,6 +145,9 @@ TEST(TableReader, ErrorsNameFileLineAndRemedy) {
   EXPECT_EQ(
       error("5,2\n# c\n4,3\n"),
       "a.csv:3: time stamp 4 is earlier than that of line 1; sort the file and remove duplicates");
+  EXPECT_EQ(error("t [s],v\n2.5,2\n3,2\n0,3\n"),
+            "a.csv:4: time stamp 0 is 3 s earlier than that of line 3: the clock was reset, or a "
+            "counter wrapped; correct the stamps from here, or remove one part");
   EXPECT_EQ(
       error("0.5,2\n"),
       "a.csv:1: time stamp '0.5' is not an integer of nanoseconds; for seconds name the column "
