@@ -20,15 +20,6 @@ namespace stillkite {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_image(const fs::path& file) {
-  constexpr auto kExtensions = std::to_array<std::string_view>(
-      {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp"});
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
-}
-
 bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
@@ -219,6 +210,15 @@ std::vector<std::int64_t> frame_numbers(const std::vector<std::string>& names, d
 }
 
 }  // namespace
+
+bool is_image(const fs::path& file) {
+  constexpr auto kExtensions = std::to_array<std::string_view>(
+      {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp"});
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+}
 
 std::vector<StampedImage> list_images(const fs::path& folder, std::optional<double> rate_hz) {
   std::vector<std::string> names;

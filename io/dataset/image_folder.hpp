@@ -8,6 +8,9 @@
 
 namespace stillkite {
 
+/// True for the extension of an image file that list_images reads.
+[[nodiscard]] bool is_image(const std::filesystem::path& file);
+
 /// Images of a folder in the order of the numbers in their names, 1 / rate_hz apart. A skipped
 /// number, and a gap between names that are time stamps, are missing images. Hidden files are
 /// ignored. Throws InputError if the folder has no image, without a rate, of several series of

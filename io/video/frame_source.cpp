@@ -69,6 +69,11 @@ Reader open_reader(const SourceConfig& config) {
     if (fs::is_regular_file(path) && fs::file_size(path) == 0) {
       throw InputError(path.string() + ": the file is empty");
     }
+    if (is_image(path)) {
+      throw InputError(path.string() +
+                       ": a single image; set source.path to the folder of the images, or convert "
+                       "animated images and pages to a video");
+    }
     return VideoReader(config);
   }
   if (config.track) throw InputError("source.track: only for videos; remove it for a folder");

@@ -140,6 +140,9 @@ TEST(FrameSource, ErrorsNameFileAndRemedy) {
   EXPECT_EQ(error(folder.file("text.mp4", "this is no video\n")),
             "text.mp4: not a video file, or its header or index is missing (interrupted "
             "recording or download)");
+  EXPECT_EQ(error(folder.file("a.webp", "RIFF")),
+            "a.webp: a single image; set source.path to the folder of the images, or convert "
+            "animated images and pages to a video");
   const std::string mp4 = bytes_of(write_video(folder.path() / "a.mp4"));
   EXPECT_NE(error(folder.file("cut.mp4", mp4.substr(0, mp4.size() / 2))).find("index is missing"),
             std::string::npos);  // the index of an MP4 is at the end
@@ -227,7 +230,8 @@ TEST(FrameSource, RejectsSeveralSeriesOfImages) {
   for (const std::vector<std::string>& names :
        {std::vector<std::string>{"cam0_1.png", "cam1_1.png", "cam0_2.png", "cam1_2.png"},
         {"1.png", "2.png", "1_thumb.png", "2_thumb.png"},
-        {"1.png", "2.png", "1.jpg", "2.jpg"}}) {
+        {"1.png", "2.png", "1.jpg", "2.jpg"},
+        {"f_-2.png", "f_-1.png", "f_1.png", "f_2.png"}}) {
     EXPECT_NE(error_of(names), "accepted") << names[1];
   }
   for (const std::vector<std::string>& names :
