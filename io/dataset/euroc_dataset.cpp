@@ -37,11 +37,16 @@ std::optional<EurocDataset> find_euroc_dataset(const fs::path& folder) {
                       .camera_twists = twists};
 }
 
-std::vector<StampedImage> read_image_list(const fs::path& images_csv) {
+std::vector<StampedImage> read_image_list(const fs::path& images_csv,
+                                          std::optional<double> rate_hz) {
   TableReader table(images_csv, Separator::comma, 2);
   std::vector<StampedImage> images;
   while (table.next()) {
-    const Timestamp stamp = table.stamp();
+    const Timestamp stamp =
+        rate_hz && !images.empty()
+            ? Timestamp{images.front().stamp.ns +
+                        from_seconds(static_cast<double>(images.size()) / *rate_hz).ns}
+            : table.stamp("; source.rate_hz counts the images instead");
     const fs::path file = images_csv.parent_path() / "data" / std::string(table.text(1));
     if (!fs::is_regular_file(file)) {
       table.reject(fmt::format("the image {} is missing", file.string()));

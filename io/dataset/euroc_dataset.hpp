@@ -24,8 +24,10 @@ struct EurocDataset {
 /// Data set of a folder (its root, mav0 or mav0/cam0); nullopt for any other folder.
 [[nodiscard]] std::optional<EurocDataset> find_euroc_dataset(const std::filesystem::path& folder);
 
-/// Images listed in cam0/data.csv, in the folder data/ next to it. Throws InputError "file:line:
-/// ..." on stamps that do not increase and on missing images.
-[[nodiscard]] std::vector<StampedImage> read_image_list(const std::filesystem::path& images_csv);
+/// Images listed in cam0/data.csv, in the folder data/ next to it; with `rate_hz` that far apart,
+/// from the first stamp. Throws InputError "file:line: ..." on stamps that do not increase and on
+/// missing images.
+[[nodiscard]] std::vector<StampedImage> read_image_list(const std::filesystem::path& images_csv,
+                                                        std::optional<double> rate_hz = {});
 
 }  // namespace stillkite

@@ -127,7 +127,7 @@ bool TableReader::next() {
   return false;
 }
 
-Timestamp TableReader::stamp() {
+Timestamp TableReader::stamp(std::string_view remedy) {
   const std::optional<Timestamp> stamp = parse_stamp(cells_[0], unit_exponent_);
   if (!stamp) reject(stamp_problem());
   if (unit_exponent_ == 0 && has_fraction(cells_[0])) {
@@ -136,7 +136,9 @@ Timestamp TableReader::stamp() {
                     "'timestamp [s]' in the header",
                     abbreviated(cells_[0])));
   }
-  if (last_stamp_ && *stamp <= *last_stamp_) reject(order_problem(*stamp));
+  if (last_stamp_ && *stamp <= *last_stamp_) {
+    reject(fmt::format("{}{}", order_problem(*stamp), remedy));
+  }
   if (!first_stamp_) first_stamp_ = stamp;
   last_stamp_ = stamp;
   last_stamp_line_ = line_;
@@ -294,7 +296,7 @@ void TableReader::check_interval() const {
   const bool has_unit = !names_.empty() && unit_in_brackets(names_[0]);
   if (separator_ == Separator::blank || has_unit || rows_ < kMinRows || !first_stamp_) return;
   const double interval_s = seconds_between(*first_stamp_, *last_stamp_) / (rows_ - 1);
-  if (interval_s >= kMinInterval_s) return;
+  if (interval_s >= kMinInterval_s || interval_s == 0) return;
   const bool is_micro = 1e3 * interval_s >= kMinInterval_s;
   throw InputError(fmt::format(
       "{}: the rows are {:.2g} s apart; their time stamps are probably {}: name the first column "

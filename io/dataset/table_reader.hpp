@@ -34,8 +34,9 @@ class TableReader {
   /// Advances to the next row; false at the end.
   [[nodiscard]] bool next();
 
-  /// Time stamp of the row; throws if it does not increase.
-  [[nodiscard]] Timestamp stamp();
+  /// Time stamp of the row; throws if it does not increase, with `remedy` at the end of the
+  /// message.
+  [[nodiscard]] Timestamp stamp(std::string_view remedy = {});
 
   [[nodiscard]] double number(std::size_t column, const Range& range = kAny) const;
   [[nodiscard]] std::string_view text(std::size_t column) const { return cells_[column]; }

@@ -40,14 +40,6 @@ std::vector<StampedImage> images_between(std::vector<StampedImage> images,
   return images;
 }
 
-void restamp(std::vector<StampedImage>& images, double rate_hz) {
-  const Timestamp first = images.front().stamp;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    const double t_s = static_cast<double>(i) / rate_hz;
-    images[i].stamp = {first.ns + from_seconds(t_s).ns};
-  }
-}
-
 Reader open_reader(const SourceConfig& config) {
   const fs::path& path = config.path;
   if (path.empty()) {
@@ -78,8 +70,7 @@ Reader open_reader(const SourceConfig& config) {
   }
   if (config.track) throw InputError("source.track: only for videos; remove it for a folder");
   if (const auto dataset = find_euroc_dataset(path)) {
-    std::vector<StampedImage> listed = read_image_list(dataset->images_csv);
-    if (config.rate_hz) restamp(listed, *config.rate_hz);
+    std::vector<StampedImage> listed = read_image_list(dataset->images_csv, config.rate_hz);
     return ImageSequence(images_between(std::move(listed), config), config.bits);
   }
   std::vector<StampedImage> images = list_images(path, config.rate_hz);

@@ -349,6 +349,18 @@ TEST_F(BurstSource, RateReplacesTimeStamps) {
   EXPECT_FALSE(source.problem().has_value());
 }
 
+// Stamps rounded to 0.1 s, and a clock that is reset.
+TEST_F(EurocSource, RateReplacesStampsThatDoNotIncrease) {
+  for (const char* name : {"a.png", "b.png", "c.png", "d.png"}) write_image(name, image(1));
+  write("1000000000,a.png\n1000000000,b.png\n1100000000,c.png\n0,d.png\n");
+  FrameSource source({.path = folder_.path(), .rate_hz = 20});
+  const std::vector<Frame> frames = read_all(source);
+  ASSERT_EQ(frames.size(), 4u);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_NEAR(to_seconds(frames[i].stamp), 1 + 0.05 * static_cast<double>(i), 1e-9);
+  }
+}
+
 TEST_F(EurocSource, ErrorsNameFileAndLine) {
   const auto error = [&](const std::string& csv) {
     write(csv);
@@ -365,10 +377,10 @@ TEST_F(EurocSource, ErrorsNameFileAndLine) {
   EXPECT_EQ(
       error("2,a.png\n1,b.png\n"),
       "mav0/cam0/data.csv:2: time stamp 1 is earlier than that of line 1; sort the file and remove "
-      "duplicates");
+      "duplicates; source.rate_hz counts the images instead");
   EXPECT_EQ(error("2,a.png\n2,b.png\n"),
             "mav0/cam0/data.csv:2: time stamp 2 repeats that of line 1; sort the file and remove "
-            "duplicates");
+            "duplicates; source.rate_hz counts the images instead");
   EXPECT_EQ(error("#t,name\n"), "mav0/cam0/data.csv: no image listed");
   EXPECT_EQ(error("1000000,a.png\n1033333,b.png\n"),
             "mav0/cam0/data.csv: the images are 0.0333 ms apart; time stamps must be "
