@@ -67,6 +67,8 @@ std::vector<FeatureObservation> KeyframeFeatures::take_keyframe(const Frame& fra
     features.push_back({.track_id = next_track_id_++, .at_px = at_px});
     found.push_back({0, at_px, Eigen::Matrix2f::Zero()});
   }
+  constexpr std::size_t kMinFeatures = 20;
+  if (points_px.size() < kMinFeatures) return {};
   tracker_.set_reference(frame.grey, points_px);
   // the tracker leaves out patches that exceed the image
   const std::vector<Eigen::Vector2f>& kept_px = tracker_.reference_px();

@@ -25,7 +25,7 @@ class KeyframeFeatures {
   [[nodiscard]] std::vector<FeatureObservation> track(const Frame& frame);
 
   /// Makes the image that was tracked last the keyframe: its features and newly detected ones, by
-  /// ascending number of the track.
+  /// ascending number of the track. Empty, and the keyframe stays, if they are fewer than 20.
   [[nodiscard]] std::vector<FeatureObservation> take_keyframe(const Frame& frame);
 
   /// True if few features are left, or the median parallax since the keyframe exceeds 3 degrees.

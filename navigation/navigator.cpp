@@ -75,8 +75,9 @@ void check_image(const Frame& frame, const Camera& camera) {
 }
 
 // Not part of the papers' procedure; the filter of `fused` measures it.
-bool detects_standstill(const EstimatorConfig& estimator) {
-  return estimator.mode_in_use() == Mode::recommended && estimator.policy != Policy::fused;
+bool detects_standstill(const EstimatorConfig& estimator, FusionSolver solver) {
+  return estimator.mode_in_use() == Mode::recommended &&
+         (estimator.policy != Policy::fused || solver == FusionSolver::window);
 }
 
 // A range finder without an echo may return infinity. `inertial_steps` checks the IMU readings.
@@ -116,7 +117,7 @@ Navigator::Navigator(const Camera& camera, const RigidTransform& body_from_camer
                 .method = make_method(camera, body_from_camera, config, initial, estimator),
                 .rotation = {},
                 .static_overlays = {},
-                .standstill = detects_standstill(estimator)
+                .standstill = detects_standstill(estimator, config.fusion.solver)
                                   ? std::optional<StandstillDetector>(std::in_place)
                                   : std::nullopt})) {}
 Navigator::~Navigator() = default;

@@ -24,16 +24,34 @@ InertialPriors inertial_priors(const NavigatorConfig& config) {
   return priors;
 }
 
+// Of an angular rate that is measured with the gyroscope's unknown bias only.
+constexpr double kUnmeasuredRate_rad_s = 0.1;
+
+Matrix6d initial_covariance(double tilt_sigma_rad) {
+  Matrix6d covariance = kExactVariance * Matrix6d::Identity();
+  covariance.diagonal().segment<2>(3).setConstant(tilt_sigma_rad * tilt_sigma_rad);
+  return covariance;
+}
+
+// The height, where it is known.
+double rest_depth_m(const InitialState& initial, const RigidTransform& body_from_camera) {
+  constexpr double kUnknown_m = 10;
+  if (initial.scale == ScaleSource::none) return kUnknown_m;
+  return (initial.world_from_body * body_from_camera).translation.z();
+}
+
 }  // namespace
 
 WindowNavigator::WindowNavigator(const Camera& camera, const RigidTransform& body_from_camera,
                                  const NavigatorConfig& config, const InitialState& initial)
     : body_from_camera_(body_from_camera),
-      world_from_initial_(initial.world_from_body * body_from_camera),
-      initial_tilt_sigma_rad_(config.initial_tilt_sigma_rad),
+      max_unmeasured_s_(config.trust.max_gap_s),
+      rest_depth_m_(rest_depth_m(initial, body_from_camera)),
       features_(camera, config.lens_sigma_px),
       window_({.imu_from_camera = body_from_camera}, initial.world_from_body,
-              imu_noise(config.fusion), inertial_priors(config)) {}
+              imu_noise(config.fusion), inertial_priors(config)),
+      origin_covariance_(initial_covariance(config.initial_tilt_sigma_rad)),
+      unmeasured_speed_m_s_(kInitialSpeedSigma_heights_s * rest_depth_m_) {}
 
 NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval& interval,
                                          const SensorReadings& readings) {
@@ -46,39 +64,102 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
       is_image_usable ? features_.track(frame) : std::vector<FeatureObservation>();
   const double flow_ms = watch.lap_ms();
   // 2. Predict by the IMU; estimate all states and points of the window.
-  const std::vector<ImuSample> samples = imu_samples(readings.inertial, last_, frame.stamp);
-  window_.add_frame(frame.stamp, samples, features);
+  const std::vector<ImuSample> samples = samples_until(frame.stamp, readings);
+  window_.add_frame(frame.stamp, samples, features, rest_sigma_m_s(interval));
   last_ = frame.stamp;
-  // 3. Replace the keyframe if its features leave the view or show parallax.
+  // 3. Without measurements for too long: initialize again.
+  const Verdict frame_verdict = verdict(interval);
+  if (is_measured(frame_verdict)) last_measured_ = frame.stamp;
+  restart_if_lost(frame.stamp);
+  // 4. Replace the keyframe if its features leave the view or show parallax.
   const Eigen::Quaterniond world_from_camera =
       window_.state().world_from_imu.rotation * body_from_camera_.rotation;
   const bool new_keyframe =
       is_image_usable &&
       features_.needs_keyframe(world_from_keyframe_.conjugate() * world_from_camera);
-  const Verdict frame_verdict = verdict(interval);
   NavigationEstimate out = answer(frame, frame_verdict, samples, new_keyframe);
-  if (new_keyframe) {
-    window_.take_keyframe(features_.take_keyframe(frame));
-    world_from_keyframe_ = world_from_camera;
-  }
+  if (new_keyframe) take_keyframe(frame);
   out.stage_ms = {0, flow_ms, watch.lap_ms(), 0};
   return out;
 }
 
 NavigationEstimate WindowNavigator::initialize(const Frame& frame) {
-  first_ = last_ = frame.stamp;
-  world_from_keyframe_ = world_from_initial_.rotation;
+  last_ = last_measured_ = frame.stamp;
+  last_sample_.specific_force_m_s2 =
+      window_.state().world_from_imu.rotation.conjugate() * -gravity_in_world();
   window_.add_frame(frame.stamp, {}, {});
-  window_.take_keyframe(features_.take_keyframe(frame));
+  take_keyframe(frame);
   return answer(frame, Verdict::first_frame, {}, true);
+}
+
+void WindowNavigator::take_keyframe(const Frame& frame) {
+  const std::vector<FeatureObservation> features = features_.take_keyframe(frame);
+  if (features.empty()) return;
+  window_.take_keyframe(features);
+  world_from_keyframe_ = window_.state().world_from_imu.rotation * body_from_camera_.rotation;
+}
+
+// An interval without any reading is a gap, with the last one.
+std::vector<ImuSample> WindowNavigator::samples_until(Timestamp stamp,
+                                                      const SensorReadings& readings) {
+  std::vector<ImuSample> samples = imu_samples(readings.inertial, last_, stamp);
+  if (samples.empty()) {
+    samples.push_back(last_sample_);
+    samples.back().dt_s = seconds_between(last_, stamp);
+    samples.back().is_gap = true;
+  }
+  last_sample_ = samples.back();
+  return samples;
+}
+
+// Zero velocity by images at rest: their angular rate times the depth of the scene.
+std::optional<double> WindowNavigator::rest_sigma_m_s(const FrameInterval& interval) const {
+  if (!interval.standstill) return std::nullopt;
+  return interval.standstill->rate_rad_s * window_.median_depth_m().value_or(rest_depth_m_);
 }
 
 // Before the initialization velocity and scale are not observable.
 Verdict WindowNavigator::verdict(const FrameInterval& interval) const {
   constexpr int kMinPoints = 12;
   if (interval.rejection) return *interval.rejection;
-  if (!window_.is_initialized()) return Verdict::ill_conditioned;
+  if (!window_.is_initialized()) {
+    return window_.is_restarted() ? Verdict::lost : Verdict::ill_conditioned;
+  }
+  if (interval.standstill) return Verdict::still;
   return window_.inlier_points() >= kMinPoints ? Verdict::ok : Verdict::too_few_inliers;
+}
+
+void WindowNavigator::restart_if_lost(Timestamp stamp) {
+  if (!window_.is_initialized()) return;
+  if (seconds_between(last_measured_, stamp) <= max_unmeasured_s_) return;
+  origin_covariance_ = pose_covariance(stamp);
+  const double speed_variance =
+      window_.covariance().block<3, 3>(InertialIndex::kVelocity, InertialIndex::kVelocity).trace();
+  unmeasured_speed_m_s_ =
+      std::sqrt(window_.state().velocity_in_world_m_s.squaredNorm() + speed_variance);
+  last_measured_ = stamp;
+  window_.restart();
+}
+
+// (translation, rotation vector) in the world.
+Matrix6d WindowNavigator::pose_covariance(Timestamp stamp) const {
+  Matrix6d out = origin_covariance_;
+  if (!window_.is_initialized()) {
+    const double unmeasured_s = seconds_between(last_measured_, stamp);
+    const double displacement_m = unmeasured_speed_m_s_ * unmeasured_s;
+    const double rotation_rad = kUnmeasuredRate_rad_s * unmeasured_s;
+    out.diagonal().head<3>().array() += displacement_m * displacement_m;
+    out.diagonal().tail<3>().array() += rotation_rad * rotation_rad;
+    return out;
+  }
+  Matrix6d J = Matrix6d::Zero();
+  J.topRightCorner<3, 3>().setIdentity();
+  J.bottomLeftCorner<3, 3>() = window_.state().world_from_imu.rotation.toRotationMatrix();
+  // roll and pitch are the window's own, yaw and position are relative to its first frame
+  out.block<5, 5>(0, 0).bottomRightCorner<2, 2>().setZero();
+  out.block<2, 6>(3, 0).setZero();
+  out.block<6, 2>(0, 3).setZero();
+  return out + J * window_.covariance().topLeftCorner<6, 6>() * J.transpose();
 }
 
 NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_verdict,
@@ -110,49 +191,32 @@ NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_ver
       (R_middle * imu_from_camera.rotation.toRotationMatrix()).transpose();
   const Eigen::Matrix3d camera_from_imu = imu_from_camera.rotation.conjugate().toRotationMatrix();
 
-  EstimateParts parts{.verdict = frame_verdict,
-                      .source = EstimateSource::fused,
-                      .camera = {.pose = {state.world_from_imu * body_from_camera_, {}},
-                                 .scale = ScaleSource::none,
-                                 .scale_stamp = frame.stamp},
-                      .world_from_initial_camera = world_from_initial_,
-                      .twist_in_camera = {camera_from_world * velocity, camera_from_imu * rate},
-                      .velocity_in_world_m_s = velocity,
-                      .quality = {.flow_vectors = features_.found_count()},
-                      .new_keyframe = new_keyframe};
-  Matrix6d& pose_covariance = parts.camera.pose.covariance;
+  EstimateParts parts{
+      .verdict = frame_verdict,
+      .source = EstimateSource::fused,
+      .camera = {.pose = {state.world_from_imu * body_from_camera_, pose_covariance(frame.stamp)},
+                 .scale = window_.is_initialized() ? ScaleSource::imu : ScaleSource::none,
+                 .scale_stamp = frame.stamp},
+      .world_from_initial_camera = window_.world_from_first() * body_from_camera_,
+      .twist_in_camera = {camera_from_world * velocity, camera_from_imu * rate},
+      .velocity_in_world_m_s = velocity,
+      .quality = {.flow_vectors = features_.found_count()},
+      .new_keyframe = new_keyframe};
+  const double density = window_.noise().gyro_density;
+  Eigen::Matrix3d velocity_covariance =
+      unmeasured_speed_m_s_ * unmeasured_speed_m_s_ * Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d rate_covariance =
+      kUnmeasuredRate_rad_s * kUnmeasuredRate_rad_s * Eigen::Matrix3d::Identity();
   if (window_.is_initialized()) {
-    parts.camera.scale = ScaleSource::imu;
     const SlidingWindow::Matrix15d& P = window_.covariance();
-    // (translation, rotation) in the world
-    Matrix6d J = Matrix6d::Zero();
-    J.topRightCorner<3, 3>().setIdentity();
-    J.bottomLeftCorner<3, 3>() = R;
-    pose_covariance = J * P.topLeftCorner<6, 6>() * J.transpose();
-    parts.twist_covariance.topLeftCorner<3, 3>() =
-        camera_from_world * P.block<3, 3>(Index::kVelocity, Index::kVelocity) *
-        camera_from_world.transpose();
-    parts.twist_covariance.bottomRightCorner<3, 3>() =
-        camera_from_imu * P.block<3, 3>(Index::kGyroBias, Index::kGyroBias) *
-        camera_from_imu.transpose();
-    const double density = window_.window().frames.back().imu.noise().gyro_density;
-    if (dt_s > 0) {
-      parts.twist_covariance.diagonal().tail<3>().array() += density * density / dt_s;
-    }
-  } else {
-    const double t_s = seconds_between(first_, frame.stamp);
-    const double tilt = initial_tilt_sigma_rad_ * initial_tilt_sigma_rad_;
-    pose_covariance.diagonal() << Eigen::Vector3d::Constant(kExactVariance), tilt, tilt,
-        kExactVariance;
-    const double height = world_from_initial_.translation.z();
-    const double way = kInitialSpeedSigma_heights_s * height * t_s;
-    const double turn = kInitialRateSigma_rad_s * t_s;
-    pose_covariance.diagonal().head<3>().array() += way * way;
-    pose_covariance.diagonal().tail<3>().array() += turn * turn;
-    parts.twist_covariance.diagonal()
-        << Eigen::Vector3d::Constant(std::pow(kInitialSpeedSigma_heights_s * height, 2)),
-        Eigen::Vector3d::Constant(std::pow(kInitialRateSigma_rad_s, 2));
+    velocity_covariance = P.block<3, 3>(Index::kVelocity, Index::kVelocity);
+    rate_covariance = P.block<3, 3>(Index::kGyroBias, Index::kGyroBias);
+    if (dt_s > 0) rate_covariance.diagonal().array() += density * density / dt_s;
   }
+  parts.twist_covariance.topLeftCorner<3, 3>() =
+      camera_from_world * velocity_covariance * camera_from_world.transpose();
+  parts.twist_covariance.bottomRightCorner<3, 3>() =
+      camera_from_imu * rate_covariance * camera_from_imu.transpose();
   return make_estimate(frame, body_from_camera_, parts);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "estimation/sliding_window/sliding_window.hpp"
@@ -26,19 +27,28 @@ class WindowNavigator {
 
  private:
   [[nodiscard]] NavigationEstimate initialize(const Frame& frame);
+  [[nodiscard]] std::vector<ImuSample> samples_until(Timestamp stamp,
+                                                     const SensorReadings& readings);
+  [[nodiscard]] std::optional<double> rest_sigma_m_s(const FrameInterval& interval) const;
   [[nodiscard]] Verdict verdict(const FrameInterval& interval) const;
+  void restart_if_lost(Timestamp stamp);
+  void take_keyframe(const Frame& frame);
+  [[nodiscard]] Matrix6d pose_covariance(Timestamp stamp) const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict,
                                           const std::vector<ImuSample>& samples,
                                           bool new_keyframe) const;
 
   RigidTransform body_from_camera_;
-  RigidTransform world_from_initial_;  // camera at the first frame
-  double initial_tilt_sigma_rad_;
+  double max_unmeasured_s_;
+  double rest_depth_m_;  // of the scene, for the velocity sigma at rest before any point is known
   KeyframeFeatures features_;
   SlidingWindow window_;
   Eigen::Quaterniond world_from_keyframe_;  // camera
-  Timestamp first_;
+  ImuSample last_sample_;
   Timestamp last_;
+  Timestamp last_measured_;
+  Matrix6d origin_covariance_;   // pose of the window's first frame, (translation, rotation) in W
+  double unmeasured_speed_m_s_;  // sigma without an initialization
 };
 
 }  // namespace stillkite

@@ -237,21 +237,6 @@ void set_states(const LinearAlignment& alignment, const Eigen::Vector3d& gyro_bi
   }
 }
 
-// Standard deviation of a common factor of the distances from the first frame.
-double scale_sigma(const Window& window) {
-  const std::optional<Eigen::MatrixXd> covariance = window_covariance(window);
-  if (!covariance) return std::numeric_limits<double>::infinity();
-  const std::vector<int> offsets = window.offsets();
-  Eigen::VectorXd direction = Eigen::VectorXd::Zero(covariance->rows());
-  for (std::size_t i = 1; i < window.frames.size(); ++i) {
-    direction.segment<3>(offsets[i] + InertialIndex::kPosition) =
-        window.frames[i].state.world_from_imu.translation -
-        window.frames.front().state.world_from_imu.translation;
-  }
-  const double squared = direction.squaredNorm();
-  return std::sqrt(direction.dot(*covariance * direction)) / squared;
-}
-
 }  // namespace
 
 std::optional<Eigen::Vector3d> gyro_bias_from_images(const Window& window,
@@ -315,6 +300,20 @@ std::optional<LinearAlignment> align_linearly(const Window& window,
   return out;
 }
 
+double scale_sigma_ratio(const Window& window) {
+  const std::optional<Eigen::MatrixXd> covariance = window_covariance(window);
+  if (!covariance) return std::numeric_limits<double>::infinity();
+  const std::vector<int> offsets = window.offsets();
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(covariance->rows());
+  for (std::size_t i = 1; i < window.frames.size(); ++i) {
+    direction.segment<3>(offsets[i] + InertialIndex::kPosition) =
+        window.frames[i].state.world_from_imu.translation -
+        window.frames.front().state.world_from_imu.translation;
+  }
+  const double squared = direction.squaredNorm();
+  return std::sqrt(direction.dot(*covariance * direction)) / squared;
+}
+
 void set_initial_prior(Window& window, const InertialPriors& priors) {
   constexpr double kPosition_m = 1e-3;
   constexpr double kYaw_rad = 1e-4;
@@ -345,6 +344,48 @@ void set_initial_prior(Window& window, const InertialPriors& priors) {
       -information(priors.accel_bias_m_s2) * first.state.accel_bias_m_s2;
 }
 
+void RestReadings::add(const ImuSample& sample) {
+  if (sample.is_gap) return;
+  duration_s += sample.dt_s;
+  const double share = sample.dt_s / duration_s;
+  angular_rate_rad_s += share * (sample.angular_rate_rad_s - angular_rate_rad_s);
+  specific_force_m_s2 += share * (sample.specific_force_m_s2 - specific_force_m_s2);
+}
+
+void initialize_at_rest(Window& window, const RestReadings& readings, double velocity_sigma_m_s,
+                        const InertialPriors& priors) {
+  WindowFrame& frame = window.frames.front();
+  const ImuNoise& noise = frame.imu.noise();
+  const Eigen::Quaterniond before = frame.state.world_from_imu.rotation;
+  const Eigen::Quaterniond to_vertical =
+      rotation_between(before * readings.specific_force_m_s2, Eigen::Vector3d::UnitZ());
+  frame.state.world_from_imu.rotation = (to_vertical * before).normalized();
+  frame.state.velocity_in_world_m_s.setZero();
+  frame.state.gyro_bias_rad_s = readings.angular_rate_rad_s;
+  frame.state.accel_bias_m_s2.setZero();
+  set_initial_prior(window, priors);
+  // measurements with zero residual, but for the bias prior's and the length of gravity
+  Eigen::MatrixXd& H = window.prior.information;
+  Eigen::VectorXd& g = window.prior.gradient;
+  const int at = window.offsets().front();
+  const auto diagonal = [&](int first) { return H.diagonal().segment<3>(at + first).array(); };
+  diagonal(InertialIndex::kVelocity) += 1 / (velocity_sigma_m_s * velocity_sigma_m_s);
+  diagonal(InertialIndex::kGyroBias) +=
+      readings.duration_s / (noise.gyro_density * noise.gyro_density);
+  const double force_information =
+      readings.duration_s / (noise.accel_density * noise.accel_density);
+  const Eigen::Vector3d expected =
+      frame.state.world_from_imu.rotation.conjugate() * -gravity_in_world();
+  Eigen::Matrix<double, 3, InertialIndex::kSize> J =
+      Eigen::Matrix<double, 3, InertialIndex::kSize>::Zero();
+  J.middleCols<3>(InertialIndex::kRotation) = skew(expected);
+  J.middleCols<3>(InertialIndex::kAccelBias).setIdentity();
+  H.block<InertialIndex::kSize, InertialIndex::kSize>(at, at) +=
+      force_information * J.transpose() * J;
+  g.segment<InertialIndex::kSize>(at) +=
+      force_information * J.transpose() * (readings.specific_force_m_s2 - expected);
+}
+
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
                                     const InertialPriors& priors) {
   constexpr int kRounds = 3;  // the linearization point of the first frame moves
@@ -369,7 +410,7 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   set_initial_prior(window, priors);
   Initialization out;
   out.mean_squared_error = fit.observations > 0 ? 2 * fit.reprojection / fit.observations : 1e9;
-  out.scale_sigma_ratio = scale_sigma(window);
+  out.scale_sigma_ratio = scale_sigma_ratio(window);
   out.accepted =
       out.scale_sigma_ratio < kMaxScaleSigma_ratio && out.mean_squared_error < kMaxMeanSquaredError;
   return out;

@@ -7,8 +7,9 @@
 
 #include "estimation/sliding_window/window.hpp"
 
-// Initialization of a window in motion, without height or attitude: gyroscope bias from image
-// rotations, then gravity, velocity and depths by linear least squares, then all variables.
+// Initialization of a window without height or attitude. In motion: gyroscope bias from image
+// rotations, then gravity, velocity and depths by linear least squares, then all variables. At
+// rest: by the mean readings of the IMU.
 
 namespace stillkite {
 
@@ -51,6 +52,24 @@ struct Initialization {
 /// explain the images; otherwise only the values have changed, and more frames are needed.
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
                                     const InertialPriors& priors);
+
+/// Standard deviation of a common factor of the distances from the first frame; infinite if the
+/// window is not observable.
+[[nodiscard]] double scale_sigma_ratio(const Window& window);
+
+/// Mean readings of an IMU at rest.
+struct RestReadings {
+  double duration_s = 0;
+  Eigen::Vector3d angular_rate_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specific_force_m_s2 = Eigen::Vector3d::Zero();
+
+  void add(const ImuSample& sample);
+};
+
+/// Sets state and prior of a window of one frame at rest: zero velocity, gyroscope bias, roll and
+/// pitch by the mean readings; yaw and position are kept.
+void initialize_at_rest(Window& window, const RestReadings& readings, double velocity_sigma_m_s,
+                        const InertialPriors& priors);
 
 /// Prior of a first frame whose position and yaw define the world; its biases are zero within the
 /// priors.

@@ -83,6 +83,7 @@ void remove_variables(Window& window, std::size_t frame) {
 void marginalize_motion(Window& window, std::size_t frame) {
   WindowScope scope;
   if (frame + 1 < window.frames.size()) scope.imu_frames.push_back(frame + 1);
+  if (window.frames[frame].rest_sigma_m_s) scope.rest_frames.push_back(frame);
   WindowEquations equations = window_equations(window, scope);
   const int first = window.offsets()[frame] + InertialIndex::kPoseSize;
   equations = without(equations, first, InertialIndex::kSize - InertialIndex::kPoseSize);
@@ -98,6 +99,9 @@ void marginalize_frame(Window& window, std::size_t frame) {
   if (frame > 0 && window.frames[frame - 1].has_motion) scope.imu_frames.push_back(frame);
   if (frame + 1 < window.frames.size() && window.frames[frame].has_motion) {
     scope.imu_frames.push_back(frame + 1);
+  }
+  if (window.frames[frame].has_motion && window.frames[frame].rest_sigma_m_s) {
+    scope.rest_frames.push_back(frame);
   }
   for (std::size_t i = 0; i < window.tracks.size(); ++i) {
     const WindowTrack& track = window.tracks[i];

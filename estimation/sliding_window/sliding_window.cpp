@@ -8,6 +8,7 @@
 #include "estimation/sliding_window/marginalization.hpp"
 #include "estimation/sliding_window/triangulation.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
+#include "geometry/median.hpp"
 
 namespace stillkite {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 // Frames with velocity and biases, and keyframes with a pose only.
 constexpr std::size_t kChainFrames = 6;
 constexpr std::size_t kKeyframes = 8;
-constexpr std::size_t kInitializationFrames = 15;
+constexpr std::size_t kBatchFrames = 15;
 // Of two chain frames; the frames between are merged.
 constexpr double kMinChainInterval_s = 0.045;
 constexpr double kMinInitialization_s = 0.4;
@@ -33,39 +34,59 @@ const WindowObservation* observation_in(const WindowTrack& track, std::int64_t f
 SlidingWindow::SlidingWindow(const CameraExtrinsics& extrinsics,
                              const RigidTransform& world_from_imu, const ImuNoise& noise,
                              const InertialPriors& priors)
-    : noise_(noise), priors_(priors) {
+    : noise_(noise), priors_(priors), world_from_first_(world_from_imu) {
   window_.extrinsics = window_.first_extrinsics = extrinsics;
+  WindowFrame first;
+  first.imu = ImuPreintegration(noise_);
+  first.state.world_from_imu = world_from_imu;
+  begin_with(std::move(first));
+}
+
+void SlidingWindow::begin_with(WindowFrame first) {
+  window_.frames.clear();
+  window_.tracks.clear();
   window_.prior.information = Eigen::MatrixXd::Zero(ExtrinsicsIndex::kSize, ExtrinsicsIndex::kSize);
   window_.prior.gradient = Eigen::VectorXd::Zero(ExtrinsicsIndex::kSize);
-  WindowFrame first;
-  first.id = -1;  // replaced by the first image
-  first.state.world_from_imu = world_from_imu;
   append_frame(window_, std::move(first));
 }
 
 void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuSample> samples,
-                              std::span<const FeatureObservation> features) {
-  if (window_.frames.back().id < 0) {
+                              std::span<const FeatureObservation> features,
+                              std::optional<double> rest_sigma_m_s) {
+  if (next_frame_id_ == 0) {
     window_.frames.back().id = next_frame_id_++;
     window_.frames.back().stamp = stamp;
     return;
   }
+  if (rest_sigma_m_s && (!is_initialized_ || is_at_rest_)) {
+    stay_at_rest(stamp, samples, features, *rest_sigma_m_s);
+    return;
+  }
+  is_at_rest_ = false;
+  rest_ = {};
   // 1. Predict by the IMU, and merge a frame that is too close to its neighbours.
   predict(stamp, samples);
-  if (is_initialized_) {
+  window_.frames.back().rest_sigma_m_s = rest_sigma_m_s;
+  bool is_thinned = true;
+  if (is_initialized_ && !is_batch_) {
     thin_chain();
   } else {
-    thin_initialization();
+    is_thinned = thin_batch();
   }
   // 2. Features of known tracks.
   add_observations(features);
   // 3. Estimate all states.
   if (!is_initialized_) {
+    if (!is_thinned) remove_oldest();
     try_initialization();
   } else {
     triangulate_tracks();
-    estimate();
-    slide();
+    if (is_batch_) {
+      estimate_batch(!is_thinned);
+    } else {
+      estimate();
+      slide();
+    }
   }
   remove_empty_tracks();
 }
@@ -81,7 +102,7 @@ void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features) 
                                                 .covariance = feature.covariance}},
                               .point = std::nullopt});
   }
-  if (is_initialized_) limit_keyframes();
+  if (is_initialized_ && !is_batch_) limit_keyframes();
   remove_empty_tracks();
 }
 
@@ -114,9 +135,9 @@ void SlidingWindow::thin_chain() {
 }
 
 // Keeps the frames spread over time: merges the one with the closest neighbours that is no
-// keyframe; removes the oldest if all are.
-void SlidingWindow::thin_initialization() {
-  if (window_.frames.size() <= kInitializationFrames) return;
+// keyframe. False if there are too many keyframes.
+bool SlidingWindow::thin_batch() {
+  if (window_.frames.size() <= kBatchFrames) return true;
   std::size_t closest = 0;
   double shortest_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i + 1 < window_.frames.size(); ++i) {
@@ -126,12 +147,14 @@ void SlidingWindow::thin_initialization() {
     shortest_s = span_s;
     closest = i;
   }
-  if (closest > 0) {
-    merge_frame(window_, closest);
-  } else {
-    remove_first_frame(window_);
-    restart_tracks();
-  }
+  if (closest == 0) return false;
+  merge_frame(window_, closest);
+  return true;
+}
+
+void SlidingWindow::remove_oldest() {
+  remove_first_frame(window_);
+  restart_tracks();
 }
 
 // Tracks begin in a keyframe.
@@ -164,14 +187,76 @@ void SlidingWindow::try_initialization() {
   const double span_s = seconds_between(window_.frames.front().stamp, window_.frames.back().stamp);
   if (span_s < kMinInitialization_s) return;
   Window attempt = window_;
-  initialization_ =
-      initialize_in_motion(attempt, window_.frames.front().state.world_from_imu, priors_);
+  const RigidTransform before = window_.frames.front().state.world_from_imu;
+  initialization_ = initialize_in_motion(attempt, before, priors_);
   if (!initialization_.accepted) return;
   window_ = std::move(attempt);
-  is_initialized_ = true;
+  is_initialized_ = is_batch_ = true;
+  align_first_pose(before.rotation, window_.frames.front().state.world_from_imu.rotation);
   estimate();
+}
+
+// All frames since the initialization, linearized anew with every frame, until the scale is known
+// well enough for first-estimate Jacobians, or the batch is full.
+void SlidingWindow::estimate_batch(bool is_full) {
+  constexpr double kSettledScale_ratio = 0.02;
+  for (WindowFrame& frame : window_.frames) {
+    frame.imu.reintegrate(frame.state.gyro_bias_rad_s, frame.state.accel_bias_m_s2);
+  }
+  set_initial_prior(window_, priors_);
+  estimate();
+  is_batch_ = !is_full && scale_sigma_ratio(window_) > kSettledScale_ratio;
+  if (is_batch_) return;
+  set_initial_prior(window_, priors_);
   slide();
   limit_keyframes();
+}
+
+// One frame, with its features, as long as the camera rests.
+void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuSample> samples,
+                                 std::span<const FeatureObservation> features,
+                                 double rest_sigma_m_s) {
+  for (const ImuSample& sample : samples) rest_.add(sample);
+  if (!(rest_.duration_s > 0)) return;
+  WindowFrame frame;
+  frame.id = next_frame_id_++;
+  frame.stamp = stamp;
+  frame.imu = ImuPreintegration(noise_);
+  frame.state = window_.frames.back().state;
+  const Eigen::Quaterniond before = frame.state.world_from_imu.rotation;
+  begin_with(std::move(frame));
+  initialize_at_rest(window_, rest_, rest_sigma_m_s, priors_);
+  align_first_pose(before, state().world_from_imu.rotation);
+  take_keyframe(features);
+  is_initialized_ = is_at_rest_ = true;
+  measured_points_ = inlier_points_ = 0;
+  if (const auto covariance = window_covariance(window_)) {
+    covariance_ = covariance->bottomRightCorner<InertialIndex::kSize, InertialIndex::kSize>();
+  }
+}
+
+// Attitude of the first frame by the vertical that was found at a later one.
+void SlidingWindow::align_first_pose(const Eigen::Quaterniond& before,
+                                     const Eigen::Quaterniond& after) {
+  if (is_restarted_) return;
+  world_from_first_.rotation =
+      (after * before.conjugate() * world_from_first_.rotation).normalized();
+}
+
+void SlidingWindow::restart() {
+  WindowFrame first;
+  first.id = window_.frames.back().id;
+  first.stamp = window_.frames.back().stamp;
+  first.imu = ImuPreintegration(noise_);
+  first.state = state();
+  first.state.velocity_in_world_m_s.setZero();
+  is_restarted_ = true;
+  window_.first_extrinsics = window_.extrinsics;
+  begin_with(std::move(first));
+  is_initialized_ = is_batch_ = is_at_rest_ = false;
+  rest_ = {};
+  initialization_ = {};
+  measured_points_ = inlier_points_ = 0;
 }
 
 void SlidingWindow::estimate() {
@@ -279,6 +364,15 @@ std::size_t SlidingWindow::redundant_keyframe() const {
     redundant = i;
   }
   return redundant;
+}
+
+std::optional<double> SlidingWindow::median_depth_m() const {
+  std::vector<double> depths_m;
+  for (const WindowTrack& track : window_.tracks) {
+    if (track.point) depths_m.push_back(1 / track.point->inverse_depth);
+  }
+  if (depths_m.empty()) return std::nullopt;
+  return upper_median(depths_m);
 }
 
 void SlidingWindow::remove_empty_tracks() {

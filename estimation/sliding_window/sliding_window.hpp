@@ -30,20 +30,31 @@ class SlidingWindow {
                 const ImuNoise& noise, const InertialPriors& priors);
 
   /// Adds an image with the IMU samples since the previous one and the features of known tracks;
-  /// estimates all states. The first frame has no samples.
+  /// estimates all states. The first frame has no samples. `rest_sigma_m_s`: standard deviation of
+  /// the velocity, per axis, where the images show a camera at rest.
   void add_frame(Timestamp stamp, std::span<const ImuSample> samples,
-                 std::span<const FeatureObservation> features);
+                 std::span<const FeatureObservation> features,
+                 std::optional<double> rest_sigma_m_s = {});
+
+  /// Forgets everything but the pose, extrinsics and their priors; a new initialization follows.
+  void restart();
 
   /// Makes the newest frame a keyframe, in which new tracks begin. Their numbers ascend and are
   /// greater than those of all known tracks.
   void take_keyframe(std::span<const FeatureObservation> features);
 
   [[nodiscard]] bool is_initialized() const { return is_initialized_; }
+  [[nodiscard]] bool is_restarted() const { return is_restarted_; }
+  [[nodiscard]] const ImuNoise& noise() const { return noise_; }
+  /// Depth of the points in their first keyframes; empty without points.
+  [[nodiscard]] std::optional<double> median_depth_m() const;
   /// Of the newest frame.
   [[nodiscard]] const InertialState& state() const { return window_.frames.back().state; }
   [[nodiscard]] const CameraExtrinsics& extrinsics() const { return window_.extrinsics; }
   /// Order of InertialIndex; rotation errors in IMU axes. Zero before the initialization.
   [[nodiscard]] const Matrix15d& covariance() const { return covariance_; }
+  /// Pose at the first frame; roll and pitch by the vertical of the first initialization.
+  [[nodiscard]] const RigidTransform& world_from_first() const { return world_from_first_; }
   /// Points that were measured in the newest frame, and those of them that fit the estimate.
   [[nodiscard]] int measured_points() const { return measured_points_; }
   [[nodiscard]] int inlier_points() const { return inlier_points_; }
@@ -51,12 +62,18 @@ class SlidingWindow {
   [[nodiscard]] const Initialization& last_initialization() const { return initialization_; }
 
  private:
+  void begin_with(WindowFrame first);
+  void align_first_pose(const Eigen::Quaterniond& before, const Eigen::Quaterniond& after);
   void predict(Timestamp stamp, std::span<const ImuSample> samples);
   void thin_chain();
-  void thin_initialization();
+  [[nodiscard]] bool thin_batch();
+  void remove_oldest();
   void restart_tracks();
   void add_observations(std::span<const FeatureObservation> features);
   void try_initialization();
+  void estimate_batch(bool is_full);
+  void stay_at_rest(Timestamp stamp, std::span<const ImuSample> samples,
+                    std::span<const FeatureObservation> features, double rest_sigma_m_s);
   void triangulate_tracks();
   void estimate();
   void reject_outliers();
@@ -69,7 +86,12 @@ class SlidingWindow {
   InertialPriors priors_;
   Window window_;
   Initialization initialization_;
+  RigidTransform world_from_first_;
+  RestReadings rest_;
   bool is_initialized_ = false;
+  bool is_batch_ = false;    // nothing is marginalized yet
+  bool is_at_rest_ = false;  // since the first frame
+  bool is_restarted_ = false;
   std::int64_t next_frame_id_ = 0;
   Matrix15d covariance_ = Matrix15d::Zero();
   int measured_points_ = 0;

@@ -20,9 +20,9 @@ struct WindowFrame {
   std::optional<InertialState> first_estimate;
   ImuPreintegration imu;                                 ///< since the previous frame of the chain
   Eigen::Vector3d gyro_rad_s = Eigen::Vector3d::Zero();  ///< reading at this frame
+  std::optional<double> rest_sigma_m_s;                  ///< zero velocity is measured, per axis
   bool has_motion = true;                                ///< velocity and biases are states
   bool is_keyframe = false;
-  bool is_reference = false;  ///< kept as long as it is in view
 
   [[nodiscard]] const InertialState& linearization() const {
     return first_estimate ? *first_estimate : state;

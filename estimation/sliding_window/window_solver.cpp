@@ -88,6 +88,13 @@ void add_imu(const Window& window, std::size_t end, const std::vector<int>& offs
   out.g.segment<kSize>(b).noalias() -= imu.by_end.transpose() * imu.residual;
 }
 
+void add_rest(const WindowFrame& frame, int offset, Linearization& out) {
+  const double information = 1 / (*frame.rest_sigma_m_s * *frame.rest_sigma_m_s);
+  const int at = offset + InertialIndex::kVelocity;
+  out.H.diagonal().segment<3>(at).array() += information;
+  out.g.segment<3>(at) -= information * frame.state.velocity_in_world_m_s;
+}
+
 void add_host_observation(const WindowTrack& track, PointEquations& point) {
   const WindowObservation& host = track.observations.front();
   const Eigen::Matrix2d information = host.covariance.inverse();
@@ -145,6 +152,7 @@ Linearization linearize(const Window& window, const WindowScope& scope) {
     out.g = window.prior.gradient - window.prior.information * prior_error(window, offsets);
   }
   for (const std::size_t end : scope.imu_frames) add_imu(window, end, offsets, out);
+  for (const std::size_t i : scope.rest_frames) add_rest(window.frames[i], offsets[i], out);
   CameraPairs present(window, false);
   CameraPairs first(window, true);
   out.points.reserve(scope.tracks.size());
@@ -223,6 +231,10 @@ Cost cost_of(const Window& window, const WindowScope& scope) {
     const WindowFrame& to = window.frames[end];
     cost.total += 0.5 * imu_squared_error(to.imu, from.state, to.state);
   }
+  for (const std::size_t i : scope.rest_frames) {
+    const WindowFrame& frame = window.frames[i];
+    cost.total += 0.5 * (frame.state.velocity_in_world_m_s / *frame.rest_sigma_m_s).squaredNorm();
+  }
   ReprojectionErrors errors(window);
   for (const std::size_t i : scope.tracks) {
     const WindowTrack& track = window.tracks[i];
@@ -291,6 +303,11 @@ WindowScope whole_window(const Window& window) {
   WindowScope scope;
   for (std::size_t i = 0; i < window.tracks.size(); ++i) {
     if (window.tracks[i].point) scope.tracks.push_back(i);
+  }
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    if (window.frames[i].has_motion && window.frames[i].rest_sigma_m_s) {
+      scope.rest_frames.push_back(i);
+    }
   }
   for (std::size_t i = 1; i < window.frames.size(); ++i) {
     const bool is_measured = !window.frames[i].imu.samples().empty();

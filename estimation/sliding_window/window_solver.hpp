@@ -29,9 +29,10 @@ class CameraPairs {
 /// Part of a window's measurements.
 struct WindowScope {
   bool prior = true;
-  std::vector<std::size_t> tracks;      ///< with a point; indices in Window::tracks
-  std::vector<std::size_t> imu_frames;  ///< frames whose IMU factor from the previous one counts
-  std::int64_t excluded_frame_id = -1;  ///< its observations do not count
+  std::vector<std::size_t> tracks;       ///< with a point; indices in Window::tracks
+  std::vector<std::size_t> imu_frames;   ///< frames whose IMU factor from the previous one counts
+  std::vector<std::size_t> rest_frames;  ///< frames whose zero velocity counts
+  std::int64_t excluded_frame_id = -1;   ///< its observations do not count
 };
 
 /// All triangulated tracks, all IMU factors and the prior.
