@@ -13,9 +13,11 @@ namespace {
 
 // Tukey cutoffs in thresholds. The first covers the error of the initial model: five noisy pairs,
 // or a prior with an error of a few degrees. A narrow cutoff has local minima, where a few outliers
-// outweigh the parallax of the relief, so each cutoff is iterated to convergence.
+// outweigh the parallax of the relief, so each cutoff is iterated to convergence. A wide cutoff
+// moves a pose without error towards objects that move on their own.
 constexpr std::array<double, 3> kSampleCutoffs{4, 2, 1.5};
 constexpr std::array<double, 5> kInitialPoseCutoffs{20, 10, 5, 2.5, 1.5};
+constexpr std::array<double, 1> kFinalCutoff{1.5};
 constexpr int kStepsPerCutoff = 6;
 
 int count_below(const std::vector<float>& distances, double from, double to) {
@@ -64,7 +66,9 @@ bool is_supported(const BearingColumns& columns, const Eigen::Matrix3d& E, doubl
 
 EssentialFit refine_initial_pose(const BearingColumns& columns, const RelativePose& initial,
                                  double threshold) {
-  return refine(columns, initial, threshold, kInitialPoseCutoffs);
+  const EssentialFit graduated = refine(columns, initial, threshold, kInitialPoseCutoffs);
+  const EssentialFit direct = refine(columns, initial, threshold, kFinalCutoff);
+  return direct.cost < graduated.cost ? direct : graduated;
 }
 
 EssentialFit fit_essential(const BearingColumns& columns, double threshold,

@@ -23,7 +23,8 @@ struct EssentialFit {
                                          const RelativePoseConfig& config,
                                          std::span<const RelativePose> initial_poses);
 
-/// Refinement on all pairs of an initial pose with an error of a few degrees.
+/// Refinement on all pairs of an initial pose with an error of up to a few degrees: with decreasing
+/// cutoffs, or with the last cutoff alone if the cost is then lower.
 [[nodiscard]] EssentialFit refine_initial_pose(const BearingColumns& columns,
                                                const RelativePose& initial, double threshold);
 

@@ -66,8 +66,6 @@ Refined<Pose> refine_to_noise(const Problem& problem, Pose pose, double sigma_of
                               double cutoff_in_sigma, const auto& refine, const auto& distances) {
   const double max_cutoff = kCutoffInThresholds * problem.threshold;
   double cutoff = max_cutoff;
-  // from wide to narrow: a narrow cutoff alone has local minima
-  for (const double factor : {4.0, 2.0}) pose = refine(pose, factor * max_cutoff);
   double sigma = inlier_scale(distances(pose), problem.threshold, sigma_of_median);
   for (int i = 0; i < 10; ++i) {
     cutoff = std::clamp(cutoff_in_sigma * sigma, kMinCutoff, max_cutoff);

@@ -148,6 +148,44 @@ TEST(PlaneViews, LevelGroundResolvesPoseDespiteLensDistortionError) {
   EXPECT_LT(undecided, 5);
 }
 
+// 70 pairs on an object in a corner of the image that moves by 8 to 20 px across the epipolar lines
+// of the plane, and by half of that along them.
+void add_moving_object(TwoViews& views, double baseline, std::uint32_t seed) {
+  const RigidTransform motion{views.truth.current_from_reference, baseline * views.truth.direction};
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int i = 0; i < 70; ++i) {
+    const double x_px = 220 + 180 * unit(random);
+    const double y_px = -240 + 120 * unit(random);
+    const Eigen::Vector2d a = Eigen::Vector2d(x_px, y_px) / kFocal_px;
+    const double depth = views.normal.z() / views.normal.dot(a.homogeneous());
+    const Eigen::Vector3d on_plane = motion * Eigen::Vector3d(depth * a.homogeneous());
+    const Eigen::Vector2d b = on_plane.hnormalized();
+    const Eigen::Vector3d& t = views.truth.direction;
+    const Eigen::Vector2d along = (t.head<2>() - t.z() * b).normalized();
+    const Eigen::Vector2d across(-along.y(), along.x());
+    const double shift_px = 8 + 0.04 * (x_px - 220) + 0.04 * (y_px + 240);
+    views.pairs.push_back({a, b + shift_px / kFocal_px * (across + 0.5 * along)});
+  }
+}
+
+TEST(PlaneViews, MovingObjectDoesNotDisplaceThePose) {
+  const TwoViewScene scene{
+      .content = ViewModel::plane, .points = 200, .noise_px = 0.05, .patch_px = 0.2};
+  int undecided = 0;
+  for (std::uint32_t seed = 1; seed <= 50; ++seed) {
+    TwoViews views = make_two_views(scene, seed);
+    add_moving_object(views, scene.baseline, seed);
+    const RelativePoseEstimate found =
+        estimate_relative_pose(views.pairs, kFocal_px, {}, {.up_in_reference = views.normal});
+    undecided += found.model == ViewModel::undecided ? 1 : 0;
+    if (found.model == ViewModel::undecided) continue;
+    EXPECT_LT(direction_error_deg(found.pose, views.truth), 15) << seed;
+    EXPECT_LT(rotation_error_deg(found.pose, views.truth), 1) << seed;
+  }
+  EXPECT_LT(undecided, 3);
+}
+
 // 400 pairs of a camera at height 1, pitched down by `pitch_rad`: ground, and points above the
 // horizon at depths 10 to 30.
 TwoViews make_ground_and_horizon(double pitch_rad, double baseline, std::uint32_t seed) {
