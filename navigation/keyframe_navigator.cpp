@@ -75,7 +75,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   // 4. Validate the alignment.
   const Verdict verdict = interval.rejection ? *interval.rejection : validate(alignment);
   // 5. Chain it to the keyframe, level both by the plane's normal, and filter; or coast.
-  update_track(verdict, alignment, hints, readings, frame);
+  update_track(verdict, alignment, hints, readings, frame, interval);
   // 6. Replace a keyframe that is almost out of view or does not align any more.
   const bool new_keyframe = renew_keyframe(verdict, alignment, interval);
   NavigationEstimate out = answer(frame, verdict);
@@ -197,11 +197,15 @@ void KeyframeNavigator::set_image_shift(NavigationEstimate& out) const {
 
 void KeyframeNavigator::update_track(Verdict verdict, const PlaneAlignment& alignment,
                                      const FlowHints& hints, const SensorReadings& readings,
-                                     const Frame& frame) {
+                                     const Frame& frame, const FrameInterval& interval) {
   not_flat_motion_.reset();
   if (verdict == Verdict::not_flat) not_flat_motion_ = alignment.motion;
-  if (verdict != Verdict::ok) {
+  if (interval.rejection) {
     track_.coast(readings, frame.stamp);
+    return;
+  }
+  if (verdict != Verdict::ok) {
+    track_.coast_over_rejection(readings, frame.stamp);
     return;
   }
   view_ = make_view(alignment, hints.normal);

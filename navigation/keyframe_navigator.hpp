@@ -62,7 +62,8 @@ class KeyframeNavigator {
   [[nodiscard]] Verdict validate(const PlaneAlignment& alignment);
   [[nodiscard]] Verdict classify(const PlaneAlignment& alignment) const;
   void update_track(Verdict verdict, const PlaneAlignment& alignment, const FlowHints& hints,
-                    const SensorReadings& readings, const Frame& frame);
+                    const SensorReadings& readings, const Frame& frame,
+                    const FrameInterval& interval);
   // true if this frame is the keyframe now
   bool renew_keyframe(Verdict verdict, const PlaneAlignment& alignment,
                       const FrameInterval& interval);

@@ -231,6 +231,13 @@ void PoseTrack::stand_still(const FrameInterval& interval, const SensorReadings&
   camera_.covariance.diagonal().tail<3>().array() += sigma.rotation_rad * sigma.rotation_rad;
 }
 
+// A rejection selects images of a changed motion: the likelihoods of the accepted ones before it
+// are no evidence on its acceleration.
+void PoseTrack::coast_over_rejection(const SensorReadings& readings, Timestamp now) {
+  for_each_filter([](MultipleModelFilter& filter) { filter.allow_acceleration(); });
+  coast(readings, now);
+}
+
 void PoseTrack::coast(const SensorReadings& readings, Timestamp now) {
   if (!dead_reckoning_) {
     dead_reckoning_ = filter_;

@@ -44,6 +44,9 @@ class PoseTrack {
   /// Keeps the prediction: this frame has no measurement.
   void coast(const SensorReadings& readings, Timestamp now);
 
+  /// Coasts through an image that does not align: the acceleration may have changed.
+  void coast_over_rejection(const SensorReadings& readings, Timestamp now);
+
   /// Sets the twist of a keyframe that was taken before the velocity was estimated.
   void set_keyframe_twist(const Twist& twist) { keyframe_twist_ = twist; }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 namespace stillkite {
 namespace {
@@ -113,6 +114,21 @@ void MultipleModelFilter::weight(const Weights& log_likelihoods) {
     sum += models_[i].probability;
   }
   for (Model& model : models_) model.probability /= sum;
+}
+
+void MultipleModelFilter::allow_acceleration() {
+  constexpr std::size_t kAccelerations = kAccelerationRatios.size();
+  for (std::size_t noise = 0; noise < kModels; noise += kAccelerations) {
+    const std::span<Model> models(&models_[noise], kAccelerations);
+    double sum = 0;
+    for (const Model& model : models) sum += model.probability;
+    const double lack = sum / kAccelerations - models.back().probability;
+    if (!(lack > 0)) continue;
+    const double others = sum - models.back().probability;
+    for (Model& model : models) model.probability *= 1 - lack / others;
+    models.back().probability = sum / kAccelerations;
+  }
+  mixture_ = mix(probabilities());
 }
 
 double MultipleModelFilter::position_log_likelihood(const Eigen::Vector3d& position,

@@ -43,6 +43,10 @@ class MultipleModelFilter {
   /// Estimated ratio of the measurements' variance to the given covariance, 1 or more.
   [[nodiscard]] double noise_variance_ratio() const;
 
+  /// The motion may have changed: the largest acceleration density gets at least the probability
+  /// that it has after a change of the model.
+  void allow_acceleration();
+
   /// Log-likelihood of a measured position, without its constant. The covariance of a discontinuity
   /// is not subject to the noise ratio.
   [[nodiscard]] double position_log_likelihood(const Eigen::Vector3d& position,

@@ -130,6 +130,35 @@ TEST(MultipleModelFilter, SteadyFlightLowersTheError) {
   EXPECT_NEAR(figures.nees, 3, 0.8);
 }
 
+// At rest the smallest acceleration density is the likeliest. Images that do not align follow, as
+// the camera accelerates.
+TEST(MultipleModelFilter, CoastsConsistentlyIntoAnAccelerationFromRest) {
+  MultipleModelFilter filter(kOneModel);
+  filter.initialize({}, 1, 1);
+  for (int k = 0; k < 100; ++k) {
+    filter.predict(kPeriod_s);
+    update(filter, {}, kPositionSigma_m);
+  }
+  const double sigma_at_rest_m_s = std::sqrt(filter.twist_covariance()(0, 0));
+  EXPECT_LT(sigma_at_rest_m_s, 0.02);
+  constexpr int kRejected = 7;
+  for (int k = 0; k < kRejected; ++k) {
+    filter.predict(kPeriod_s);
+    filter.allow_acceleration();
+  }
+  const double velocity_m_s = 1.5 * kRejected * kPeriod_s;
+  EXPECT_LT(velocity_m_s, 3 * std::sqrt(filter.twist_covariance()(0, 0)));
+}
+
+TEST(MultipleModelFilter, AllowedAccelerationNeverLowersTheCovariance) {
+  MultipleModelFilter filter(kOneModel);
+  simulate(filter, {.acceleration_density = 5 * kOneModel.acceleration_density});
+  filter.predict(kPeriod_s);
+  const double variance = filter.twist_covariance()(0, 0);
+  filter.allow_acceleration();
+  EXPECT_GE(filter.twist_covariance()(0, 0), 0.999 * variance);
+}
+
 TEST(MultipleModelFilter, OriginHasOnePoseInAllModels) {
   MultipleModelFilter filter(kOneModel);
   simulate(filter, {.acceleration_m_s2 = 2});
