@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "estimation/fusion/error_state.hpp"
+#include "estimation/lens_error.hpp"
 #include "estimation/two_view/opencv_relative_pose.hpp"
 #include "estimation/two_view/relative_pose_estimator.hpp"
 #include "navigation/assumptions.hpp"
@@ -25,6 +26,18 @@ EstimateStatus status_of(Verdict verdict) {
   return verdict == Verdict::gated ? EstimateStatus::gated : EstimateStatus::lost;
 }
 
+Eigen::Vector2d mean_displacement_px(const std::vector<BearingPair>& pairs, double focal_px) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  int count = 0;
+  for (const BearingPair& pair : pairs) {
+    const Eigen::Vector2d displacement = pair.current - pair.reference;
+    if (!displacement.allFinite()) continue;
+    sum += displacement;
+    ++count;
+  }
+  return focal_px / std::max(count, 1) * sum;
+}
+
 }  // namespace
 
 ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -36,6 +49,7 @@ ReferenceNavigator::ReferenceNavigator(const Camera& camera, const RigidTransfor
       world_from_initial_(initial.world_from_body * body_from_camera),
       mode_(mode),
       readout_s_(config.readout_s),
+      lens_sigma_px_(config.lens_sigma_px),
       gate_(config.reference.gate) {
   references_.push_back(make_reference());
   const double tilt_variance = config.initial_tilt_sigma_rad * config.initial_tilt_sigma_rad;
@@ -68,12 +82,14 @@ NavigationEstimate ReferenceNavigator::step(
   // 3. Undistort them; estimate rotation and translation direction.
   bearings_ = references_.back().rolling_shutter_correction.at_stamp(
       feature_bearings(camera_, tracks), tracks, frame.stamp);
-  const RelativePoseEstimate pose =
+  RelativePoseEstimate pose =
       estimate(bearings_.pairs, references_.back(), last_pose_, readings.attitude);
+  const Eigen::Matrix3d independent = pose.covariance.topLeftCorner<3, 3>();
+  pose.covariance *= lens_variance_ratio(pose, mean_shift_px(tracks));
   // 4. Validate the pose; the gate rejects a jump of rotation up to three times.
   const Verdict verdict = classify(pose, tracks.found_count);
   report(tracks, pose, verdict);
-  if (verdict == Verdict::ok) update_attitude(pose, frame);
+  if (verdict == Verdict::ok) update_attitude(pose, independent, frame);
   const double solve_ms = watch.lap_ms();
   // 5. Replace the reference if too few features are left, or by schedule.
   renew_reference(frame, tracks.found_count, verdict);
@@ -178,13 +194,26 @@ void ReferenceNavigator::report(const FeatureTracks& tracks, const RelativePoseE
   }
 }
 
-void ReferenceNavigator::update_attitude(const RelativePoseEstimate& pose, const Frame& frame) {
+// A lens error that all features share adds its variance e^2 to the mean of their n errors, which
+// independent ones leave with s^2 / n: the covariance grows by 1 + n e^2 / s^2.
+double ReferenceNavigator::lens_variance_ratio(const RelativePoseEstimate& pose,
+                                               double displacement_px) const {
+  if (!(pose.residual > 0)) return 1;
+  const double lens =
+      lens_change_sigma(lens_sigma_px_ / camera_.focal_x_px, displacement_px, camera_.width_px);
+  return 1 + pose.inlier_count * square(lens / pose.residual);
+}
+
+void ReferenceNavigator::update_attitude(const RelativePoseEstimate& pose,
+                                         const Eigen::Matrix3d& independent, const Frame& frame) {
   const Eigen::Quaterniond reference_from_camera = pose.pose.current_from_reference.conjugate();
   Attitude next{
       .stamp = frame.stamp,
       .world_from_camera = references_.back().attitude.world_from_camera * reference_from_camera,
       .covariance = Eigen::Matrix3d::Zero(),
-      .covariance_from_reference = pose.covariance.topLeftCorner<3, 3>()};
+      .covariance_from_reference = pose.covariance.topLeftCorner<3, 3>(),
+      .independent_covariance = independent};
+  next.mean_displacement_px = mean_displacement_px(bearings_.pairs, camera_.focal_x_px);
   const Eigen::Matrix3d R = next.world_from_camera.toRotationMatrix();
   next.covariance =
       references_.back().attitude.covariance + R * next.covariance_from_reference * R.transpose();
@@ -195,7 +224,10 @@ void ReferenceNavigator::update_attitude(const RelativePoseEstimate& pose, const
   if (has_previous_attitude_) twist_ = Twist{.angular_rate_rad_s = rate};
   has_previous_attitude_ = true;
   const Eigen::Vector3d by_stamp = frame.stamp_sigma_s * rate;
-  rate_covariance_ = (current_.covariance_from_reference + next.covariance_from_reference +
+  // of the lens error, the change from frame to frame
+  const double displacement_px = (next.mean_displacement_px - current_.mean_displacement_px).norm();
+  rate_covariance_ = (current_.independent_covariance +
+                      lens_variance_ratio(pose, displacement_px) * next.independent_covariance +
                       2 * by_stamp * by_stamp.transpose()) /
                      (dt_s * dt_s);
   current_ = next;

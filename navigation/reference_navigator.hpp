@@ -52,6 +52,8 @@ class ReferenceNavigator {
     Eigen::Quaterniond world_from_camera;
     Eigen::Matrix3d covariance;                                           ///< in world
     Eigen::Matrix3d covariance_from_reference = Eigen::Matrix3d::Zero();  ///< in camera
+    Eigen::Matrix3d independent_covariance = Eigen::Matrix3d::Zero();  ///< without the lens error
+    Eigen::Vector2d mean_displacement_px = Eigen::Vector2d::Zero();    ///< from the reference
   };
 
   struct Reference {
@@ -78,7 +80,10 @@ class ReferenceNavigator {
   [[nodiscard]] bool is_sudden_loss(int features) const;
   void report(const FeatureTracks& tracks, const RelativePoseEstimate& pose, Verdict verdict);
   [[nodiscard]] int min_features(const Reference& reference) const;
-  void update_attitude(const RelativePoseEstimate& pose, const Frame& frame);
+  [[nodiscard]] double lens_variance_ratio(const RelativePoseEstimate& pose,
+                                           double displacement_px) const;
+  void update_attitude(const RelativePoseEstimate& pose, const Eigen::Matrix3d& independent,
+                       const Frame& frame);
   void renew_reference(const Frame& frame, int features, Verdict verdict);
   [[nodiscard]] bool take_reference(const Frame& frame, bool measured);
   [[nodiscard]] bool set_reference(const Frame& frame);
@@ -91,6 +96,7 @@ class ReferenceNavigator {
   RigidTransform world_from_initial_;  // camera at the first frame
   Mode mode_;
   double readout_s_;
+  double lens_sigma_px_;
   RotationGate gate_;
 
   std::vector<Reference> references_;  // the first and, while that is out of view, the current one

@@ -114,6 +114,8 @@ bool ReferenceNavigator::take_reference(const Frame& frame, bool measured) {
     current_.world_from_camera = world_from_initial_.rotation;
   has_reference_ = true;
   current_.covariance_from_reference.setZero();
+  current_.independent_covariance.setZero();
+  current_.mean_displacement_px.setZero();
   references_.back().max_found = 0;
   references_.back().attitude = current_;
   references_.back().rolling_shutter_correction.begin(frame.stamp);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "estimation/lens_error.hpp"
 #include "geometry/camera.hpp"
 
 namespace stillkite {
@@ -206,7 +207,6 @@ float PlaneAligner::deformation_px(const TileGrid& grid) const {
 // correlation length L. Relief: kLinearRatio times the residuals' part of the translation's flow.
 double PlaneAligner::smooth_sigma_rad(const Level& level, const PlaneMotion& motion,
                                       const SmoothErrors& smooth) const {
-  constexpr double kLensCorrelation = 0.25;  // image widths: one to two periods across the image
   const Eigen::Vector3f t = motion.translation.cast<float>();
   double shift2 = 0, parallax2 = 0;
   int count = 0;
@@ -220,9 +220,9 @@ double PlaneAligner::smooth_sigma_rad(const Level& level, const PlaneMotion& mot
   }
   if (count == 0) return 0;
   const double width_px = level.camera.width_px;
-  const double shift = std::sqrt(shift2 / count) / (kLensCorrelation * width_px);
-  const double lens_px = smooth.lens_sigma_px * width_px / levels_.front().camera.width_px *
-                         std::sqrt(2 * (1 - std::exp(-0.5 * shift * shift)));
+  const double lens_px =
+      lens_change_sigma(smooth.lens_sigma_px * width_px / levels_.front().camera.width_px,
+                        std::sqrt(shift2 / count), width_px);
   const double relief_px =
       ReliefFilter::kLinearRatio * smooth.relief_ratio * std::sqrt(parallax2 / count);
   return std::hypot(lens_px, relief_px) / level.camera.focal_x_px;

@@ -91,6 +91,33 @@ TEST(ReferenceNavigator, EstimatesRotationAndDirectionFromFixedReference) {
   }
 }
 
+// Mean squared rotation error over the trace of its covariance: 1 if consistent. The navigator's
+// lens differs from the camera's by 0.2 px RMS.
+double rotation_error_ratio_with_lens_error(double lens_sigma_px) {
+  Camera camera = small_camera();
+  camera.coefficients[0] += 0.003;
+  NavigatorConfig config;
+  config.lens_sigma_px = lens_sigma_px;
+  Navigator navigator(camera, kMount, config, {.world_from_body = at(kReference_m, 0)},
+                      {.policy = Policy::reference});
+  (void)navigator.step(frame_of(room().image(at(kReference_m, 0), 0), 0));
+  double sum = 0;
+  constexpr int kPoses = 10;
+  for (int i = 1; i <= kPoses; ++i) {
+    const RigidTransform truth = at(kReference_m + Eigen::Vector3d(0.02, -0.05, 0.03) * i, 0.8 * i);
+    const NavigationEstimate estimate = navigator.step(frame_of(room().image(truth, i), i));
+    EXPECT_EQ(estimate.verdict, Verdict::ok) << i;
+    const double error_rad = errors_of(estimate, truth).rotation_deg * kDegree;
+    sum += error_rad * error_rad / estimate.reference->motion.rotation_covariance.trace();
+  }
+  return sum / kPoses;
+}
+
+TEST(ReferenceNavigator, CovarianceContainsTheLensError) {
+  EXPECT_GT(rotation_error_ratio_with_lens_error(0), 4);
+  EXPECT_LT(rotation_error_ratio_with_lens_error(0.2), 2);
+}
+
 TEST(ReferenceNavigator, HoldPaperChainIsLessAccurate) {
   ReferenceConfig paper;
   paper.detector = DetectorConfig{};
