@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace stillkite::testing {
+namespace stillkite {
 namespace {
 
 Eigen::Vector3d position(const HandHeldMotion& motion, double t) {
@@ -96,4 +96,4 @@ std::vector<FeatureObservation> observe(const HandHeldMotion& motion, double t_s
   return features;
 }
 
-}  // namespace stillkite::testing
+}  // namespace stillkite

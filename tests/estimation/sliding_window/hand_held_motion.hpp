@@ -10,7 +10,7 @@
 
 // Smooth analytic motion of an IMU and a camera in front of random points, with known biases.
 
-namespace stillkite::testing {
+namespace stillkite {
 
 struct HandHeldMotion {
   double amplitude_m = 0.4;
@@ -40,4 +40,4 @@ struct HandHeldMotion {
                                                       std::span<const Eigen::Vector3d> points,
                                                       double sigma, std::mt19937& random);
 
-}  // namespace stillkite::testing
+}  // namespace stillkite

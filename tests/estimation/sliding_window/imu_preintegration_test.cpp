@@ -8,8 +8,6 @@
 namespace stillkite {
 namespace {
 
-using testing::HandHeldMotion;
-
 constexpr ImuNoise kNoNoise{
     .gyro_density = 1e-9, .accel_density = 1e-9, .gyro_bias_walk = 1e-9, .accel_bias_walk = 1e-9};
 constexpr ImuNoise kMems{

@@ -13,8 +13,6 @@
 namespace stillkite {
 namespace {
 
-using testing::HandHeldMotion;
-
 constexpr ImuNoise kImu{
     .gyro_density = 2e-4, .accel_density = 2e-3, .gyro_bias_walk = 2e-5, .accel_bias_walk = 1e-4};
 constexpr double kBearingSigma = 5e-4;
