@@ -12,6 +12,7 @@
 #include "estimation/robust_kernel.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
 #include "geometry/gravity.hpp"
+#include "geometry/median.hpp"
 
 namespace stillkite {
 namespace {
@@ -212,6 +213,29 @@ std::optional<Vector6d> solve_on_sphere(const Matrix66& H, const Vector6d& g) {
   return x;
 }
 
+// Points whose mean squared error is far above that of the others.
+void reject_outlier_points(Window& window) {
+  constexpr double kMaxRatioToMedian = 9;
+  std::vector<double> errors;
+  std::vector<std::size_t> points;
+  ReprojectionErrors reprojection(window);
+  for (std::size_t i = 0; i < window.tracks.size(); ++i) {
+    const WindowTrack& track = window.tracks[i];
+    if (!track.point || track.observations.size() < 2) continue;
+    double sum = 0;
+    for (std::size_t k = 1; k < track.observations.size(); ++k) {
+      sum += reprojection.squared(track, track.observations[k]);
+    }
+    errors.push_back(sum / static_cast<double>(track.observations.size() - 1));
+    points.push_back(i);
+  }
+  if (errors.empty()) return;
+  const double limit = kMaxRatioToMedian * std::max(1.0, upper_median(errors));
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (!(errors[k] <= limit)) window.tracks[points[k]].point.reset();
+  }
+}
+
 void set_states(const LinearAlignment& alignment, const Eigen::Vector3d& gyro_bias,
                 const RigidTransform& world_from_first, Window& window) {
   const Eigen::Quaterniond& prior = world_from_first.rotation;
@@ -389,9 +413,11 @@ void initialize_at_rest(Window& window, const RestReadings& readings, double vel
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
                                     const InertialPriors& priors) {
   constexpr int kRounds = 3;  // the linearization point of the first frame moves
-  constexpr int kIterations = 10;
+  constexpr int kIterations = 20;
   constexpr double kMaxScaleSigma_ratio = 0.1;
   constexpr double kMaxMeanSquaredError = 8;
+  constexpr double kMaxLastDecrease = 1;    // a step of 1.4 standard deviations
+  constexpr double kMaxBiasSigmas2 = 11.3;  // 99 %, three degrees of freedom
   constexpr std::size_t kMinPoints = 12;
   const auto bias = gyro_bias_from_images(window, priors.gyro_bias_rad_s);
   if (!bias) return {};
@@ -401,6 +427,7 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   if (whole_window(window).tracks.size() < kMinPoints) return {};
   WindowFit fit;
   for (int round = 0; round < kRounds; ++round) {
+    reject_outlier_points(window);
     set_initial_prior(window, priors);
     fit = optimize(window, kIterations);
     for (WindowFrame& frame : window.frames) {
@@ -411,8 +438,11 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   Initialization out;
   out.mean_squared_error = fit.observations > 0 ? 2 * fit.reprojection / fit.observations : 1e9;
   out.scale_sigma_ratio = scale_sigma_ratio(window);
-  out.accepted =
-      out.scale_sigma_ratio < kMaxScaleSigma_ratio && out.mean_squared_error < kMaxMeanSquaredError;
+  const double bias_sigmas_2 =
+      (window.frames.front().state.accel_bias_m_s2 / priors.accel_bias_m_s2).squaredNorm();
+  out.accepted = fit.last_decrease < kMaxLastDecrease &&
+                 out.scale_sigma_ratio < kMaxScaleSigma_ratio &&
+                 out.mean_squared_error < kMaxMeanSquaredError && bias_sigmas_2 < kMaxBiasSigmas2;
   return out;
 }
 

@@ -48,8 +48,9 @@ struct Initialization {
 };
 
 /// Sets all states, points and the prior. `world_from_first`: pose of the first frame's IMU, of
-/// which gravity corrects roll and pitch. Accepted if the scale is known to 10 % and the points
-/// explain the images; otherwise only the values have changed, and more frames are needed.
+/// which gravity corrects roll and pitch. Accepted if the estimation converged, the scale is
+/// known to 10 %, the points explain the images and the accelerometer bias agrees with its prior;
+/// otherwise only the values have changed, and more frames are needed.
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
                                     const InertialPriors& priors);
 

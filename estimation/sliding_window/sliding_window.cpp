@@ -260,7 +260,8 @@ void SlidingWindow::restart() {
 }
 
 void SlidingWindow::estimate() {
-  const WindowFit fit = optimize(window_, kMaxIterations);
+  constexpr int kMaxBatchIterations = 20;
+  const WindowFit fit = optimize(window_, is_batch_ ? kMaxBatchIterations : kMaxIterations);
   if (fit.newest_covariance) covariance_ = *fit.newest_covariance;
   reject_outliers();
 }

@@ -278,6 +278,9 @@ void restore(const Values& values, const WindowScope& scope, Window& window) {
   }
 }
 
+// A step that would move a point behind the camera or onto it is far outside the linear range.
+constexpr double kMaxDepthRatio_per_step = 5;
+
 void apply_step(const Eigen::VectorXd& step, const Linearization& linear, Window& window) {
   const std::vector<int> offsets = window.offsets();
   for (const PointEquations& point : linear.points) {
@@ -286,7 +289,9 @@ void apply_step(const Eigen::VectorXd& step, const Linearization& linear, Window
     const Eigen::Vector3d d = point.inverse * right;
     InverseDepthPoint& target = *window.tracks[point.track].point;
     target.bearing += d.head<2>();
-    target.inverse_depth += d.z();
+    target.inverse_depth =
+        std::clamp(target.inverse_depth + d.z(), target.inverse_depth / kMaxDepthRatio_per_step,
+                   target.inverse_depth * kMaxDepthRatio_per_step);
   }
   window.extrinsics = plus(window.extrinsics, step.head<kExtrinsics>());
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
@@ -352,7 +357,7 @@ WindowFit optimize(Window& window, int max_iterations) {
   const WindowScope scope = whole_window(window);
   Cost cost = cost_of(window, scope);
   double damping = 0;  // Gauss-Newton, unless the cost grows
-  WindowFit fit;
+  WindowFit fit{.last_decrease = std::numeric_limits<double>::infinity()};
   Linearization linear = linearize(window, scope);
   while (fit.iterations < max_iterations && damping < kMaxDamping) {
     ++fit.iterations;
@@ -369,11 +374,10 @@ WindowFit optimize(Window& window, int max_iterations) {
       continue;
     }
     if (damping == 0) fit.newest_covariance = newest_covariance(window, factor);
-    const double decrease = cost.total - next.total;
+    fit.last_decrease = cost.total - next.total;
     cost = next;
     damping = damping > kMinDamping ? 0.1 * damping : 0;
-    fit.converged = decrease < kMinDecrease;
-    if (fit.converged) break;
+    if (fit.last_decrease < kMinDecrease) break;
     linear = linearize(window, scope);
   }
   fit.cost = cost.total;
