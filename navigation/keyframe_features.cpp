@@ -13,6 +13,11 @@ namespace {
 
 constexpr int kFeatures = 200;
 
+// Errors of a patch are 1 to 1.6 standard deviations of its covariance (FeatureTracks).
+constexpr double kMaxErrorSigmas = 1.6;
+// Of a feature in the image where it is detected: its patch is the reference of all others.
+constexpr double kMinVariance_px2 = 0.02 * 0.02;
+
 // Spread over the image: two thirds of the spacing of a regular grid of so many.
 DetectorConfig spread_detector(const Camera& camera) {
   DetectorConfig config;
@@ -32,7 +37,7 @@ Eigen::Vector2f patch_centre_px(const cv::Point2f& feature) {
 KeyframeFeatures::KeyframeFeatures(const Camera& camera, double lens_sigma_px)
     : camera_(camera),
       detector_(spread_detector(camera)),
-      sigma_px_(std::hypot(lens_sigma_px, 0.1)),
+      lens_sigma_px_(lens_sigma_px),
       tracker_(FeatureTrackerConfig{}) {}
 
 std::vector<FeatureObservation> KeyframeFeatures::track(const Frame& frame) {
@@ -94,7 +99,8 @@ std::vector<FeatureObservation> KeyframeFeatures::observations(
     if (!bearing) continue;
     const Eigen::Matrix2d by_pixel = distort(camera_, *bearing).jacobian.inverse();
     const Eigen::Matrix2d covariance_px2 =
-        feature.covariance_px2.cast<double>() + sigma_px_ * sigma_px_ * Eigen::Matrix2d::Identity();
+        kMaxErrorSigmas * kMaxErrorSigmas * feature.covariance_px2.cast<double>() +
+        (lens_sigma_px_ * lens_sigma_px_ + kMinVariance_px2) * Eigen::Matrix2d::Identity();
     out.push_back({features_[feature.feature].track_id, *bearing,
                    by_pixel * covariance_px2 * by_pixel.transpose()});
   }

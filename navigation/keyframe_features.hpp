@@ -53,7 +53,7 @@ class KeyframeFeatures {
 
   Camera camera_;
   DetectorConfig detector_;
-  double sigma_px_;
+  double lens_sigma_px_;
   FeatureTracker tracker_;
   std::vector<Feature> features_;
   std::vector<Found> found_;  // in the last image

@@ -416,7 +416,7 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   constexpr int kIterations = 20;
   constexpr double kMaxScaleSigma_ratio = 0.1;
   constexpr double kMaxMeanSquaredError = 8;
-  constexpr double kMaxLastDecrease = 1;    // a step of 1.4 standard deviations
+  constexpr double kMaxDecrement = 0.5;     // one standard deviation from the minimum
   constexpr double kMaxBiasSigmas2 = 11.3;  // 99 %, three degrees of freedom
   constexpr std::size_t kMinPoints = 12;
   const auto bias = gyro_bias_from_images(window, priors.gyro_bias_rad_s);
@@ -440,7 +440,7 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   out.scale_sigma_ratio = scale_sigma_ratio(window);
   const double bias_sigmas_2 =
       (window.frames.front().state.accel_bias_m_s2 / priors.accel_bias_m_s2).squaredNorm();
-  out.accepted = fit.last_decrease < kMaxLastDecrease &&
+  out.accepted = newton_decrement(window) < kMaxDecrement &&
                  out.scale_sigma_ratio < kMaxScaleSigma_ratio &&
                  out.mean_squared_error < kMaxMeanSquaredError && bias_sigmas_2 < kMaxBiasSigmas2;
   return out;

@@ -230,6 +230,10 @@ void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuSample> sam
   take_keyframe(features);
   is_initialized_ = is_at_rest_ = true;
   measured_points_ = inlier_points_ = 0;
+  update_covariance();
+}
+
+void SlidingWindow::update_covariance() {
   if (const auto covariance = window_covariance(window_)) {
     covariance_ = covariance->bottomRightCorner<InertialIndex::kSize, InertialIndex::kSize>();
   }
@@ -262,7 +266,11 @@ void SlidingWindow::restart() {
 void SlidingWindow::estimate() {
   constexpr int kMaxBatchIterations = 20;
   const WindowFit fit = optimize(window_, is_batch_ ? kMaxBatchIterations : kMaxIterations);
-  if (fit.newest_covariance) covariance_ = *fit.newest_covariance;
+  if (fit.newest_covariance) {
+    covariance_ = *fit.newest_covariance;
+  } else {
+    update_covariance();
+  }
   reject_outliers();
 }
 

@@ -76,6 +76,7 @@ class SlidingWindow {
                     std::span<const FeatureObservation> features, double rest_sigma_m_s);
   void triangulate_tracks();
   void estimate();
+  void update_covariance();
   void reject_outliers();
   void slide();
   void limit_keyframes();

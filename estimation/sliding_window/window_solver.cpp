@@ -357,7 +357,7 @@ WindowFit optimize(Window& window, int max_iterations) {
   const WindowScope scope = whole_window(window);
   Cost cost = cost_of(window, scope);
   double damping = 0;  // Gauss-Newton, unless the cost grows
-  WindowFit fit{.last_decrease = std::numeric_limits<double>::infinity()};
+  WindowFit fit;
   Linearization linear = linearize(window, scope);
   while (fit.iterations < max_iterations && damping < kMaxDamping) {
     ++fit.iterations;
@@ -374,16 +374,23 @@ WindowFit optimize(Window& window, int max_iterations) {
       continue;
     }
     if (damping == 0) fit.newest_covariance = newest_covariance(window, factor);
-    fit.last_decrease = cost.total - next.total;
+    const double decrease = cost.total - next.total;
     cost = next;
     damping = damping > kMinDamping ? 0.1 * damping : 0;
-    if (fit.last_decrease < kMinDecrease) break;
+    if (decrease < kMinDecrease) break;
     linear = linearize(window, scope);
   }
   fit.cost = cost.total;
   fit.reprojection = cost.reprojection;
   fit.observations = cost.observations;
   return fit;
+}
+
+double newton_decrement(const Window& window) {
+  const WindowEquations equations = window_equations(window, whole_window(window));
+  const Eigen::LLT<Eigen::MatrixXd> factor(equations.information);
+  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return 0.5 * equations.gradient.dot(factor.solve(equations.gradient));
 }
 
 std::optional<Eigen::MatrixXd> window_covariance(const Window& window) {

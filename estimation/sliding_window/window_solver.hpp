@@ -52,7 +52,6 @@ struct WindowFit {
   double reprojection = 0;  ///< part of it by the points
   int observations = 0;     ///< of the points, without those of their first keyframes
   int iterations = 0;
-  double last_decrease = 0;  ///< of the cost, by the last step
   /// Of the newest frame, at the last linearization; empty if no step was possible.
   std::optional<Eigen::MatrixXd> newest_covariance;
 };
@@ -72,6 +71,10 @@ class ReprojectionErrors {
   const Window& window_;
   CameraPairs pairs_;
 };
+
+/// Newton decrement: decrease of the cost that the linearized equations predict, half the squared
+/// distance from the minimum in standard deviations; infinite if they cannot be solved.
+[[nodiscard]] double newton_decrement(const Window& window);
 
 /// Covariance of all variables; empty if they are not observable.
 [[nodiscard]] std::optional<Eigen::MatrixXd> window_covariance(const Window& window);
