@@ -27,7 +27,16 @@ RunConfig effective_run_config(RunConfig config, const InitialState& initial) {
   return config;
 }
 
+void check_solver(const RunConfig& config, const FlightInputs& inputs) {
+  const bool needs_imu = config.estimator.policy == Policy::fused &&
+                         config.navigator.fusion.solver == FusionSolver::window;
+  if (!needs_imu || !inputs.sensors.imu.stamps.empty()) return;
+  throw InputError(
+      "fusion.solver: window needs an IMU; set imu.path to its log, or fusion.solver to filter");
+}
+
 HoverPilot make_pilot(const RunConfig& config, const FlightInputs& inputs) {
+  check_solver(config, inputs);
   NavigatorConfig navigator = config.navigator;
   navigator.fusion = with_imu_noise(navigator.fusion, inputs.sensors.imu_noise);
   navigator.sensors.gyro_sigma_rad_s =

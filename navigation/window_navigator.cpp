@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flow/standstill_detector.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/estimate_parts.hpp"
 #include "navigation/imu_samples.hpp"
@@ -65,7 +66,13 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
   const double flow_ms = watch.lap_ms();
   // 2. Predict by the IMU; estimate all states and points of the window.
   const std::vector<ImuSample> samples = samples_until(frame.stamp, readings);
-  window_.add_frame(frame.stamp, samples, features, rest_sigma_m_s(interval));
+  const std::optional<CameraRest> camera_rest = rest(frame, interval);
+  const bool was_initialized = window_.is_initialized();
+  window_.add_frame(frame.stamp, samples, features, camera_rest);
+  if (!was_initialized && window_.is_initialized()) {
+    origin_covariance_ = unmeasured_covariance(camera_rest ? camera_rest->since
+                                                           : window_.window().frames.front().stamp);
+  }
   last_ = frame.stamp;
   // 3. Without measurements for too long: initialize again.
   const Verdict frame_verdict = verdict(interval);
@@ -74,9 +81,10 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
   // 4. Replace the keyframe if its features leave the view or show parallax.
   const Eigen::Quaterniond world_from_camera =
       window_.state().world_from_imu.rotation * body_from_camera_.rotation;
+  const bool has_tracks = !window_.window().tracks.empty();
   const bool new_keyframe =
-      is_image_usable &&
-      features_.needs_keyframe(world_from_keyframe_.conjugate() * world_from_camera);
+      is_image_usable && (!has_tracks || features_.needs_keyframe(world_from_keyframe_.conjugate() *
+                                                                  world_from_camera));
   NavigationEstimate out = answer(frame, frame_verdict, samples, new_keyframe);
   if (new_keyframe) take_keyframe(frame);
   out.stage_ms = {0, flow_ms, watch.lap_ms(), 0};
@@ -112,10 +120,14 @@ std::vector<ImuSample> WindowNavigator::samples_until(Timestamp stamp,
   return samples;
 }
 
-// Zero velocity by images at rest: their angular rate times the depth of the scene.
-std::optional<double> WindowNavigator::rest_sigma_m_s(const FrameInterval& interval) const {
+// Velocity sigma: angular rate of the images times the depth of the scene. A standstill is detected
+// some time after it began.
+std::optional<CameraRest> WindowNavigator::rest(const Frame& frame,
+                                                const FrameInterval& interval) const {
   if (!interval.standstill) return std::nullopt;
-  return interval.standstill->rate_rad_s * window_.median_depth_m().value_or(rest_depth_m_);
+  return CameraRest{.since = {frame.stamp.ns - from_seconds(StandstillDetector::kMinRest_s).ns},
+                    .velocity_sigma_m_s = interval.standstill->rate_rad_s *
+                                          window_.median_depth_m().value_or(rest_depth_m_)};
 }
 
 // Before the initialization velocity and scale are not observable.
@@ -130,6 +142,8 @@ Verdict WindowNavigator::verdict(const FrameInterval& interval) const {
 }
 
 void WindowNavigator::restart_if_lost(Timestamp stamp) {
+  // without any feature there is nothing to initialize from
+  if (window_.is_restarted() && window_.window().tracks.empty()) window_.restart();
   if (!window_.is_initialized()) return;
   if (seconds_between(last_measured_, stamp) <= max_unmeasured_s_) return;
   origin_covariance_ = pose_covariance(stamp);
@@ -141,17 +155,20 @@ void WindowNavigator::restart_if_lost(Timestamp stamp) {
   window_.restart();
 }
 
-// (translation, rotation vector) in the world.
-Matrix6d WindowNavigator::pose_covariance(Timestamp stamp) const {
+// Both (translation, rotation vector) in the world.
+Matrix6d WindowNavigator::unmeasured_covariance(Timestamp stamp) const {
   Matrix6d out = origin_covariance_;
-  if (!window_.is_initialized()) {
-    const double unmeasured_s = seconds_between(last_measured_, stamp);
-    const double displacement_m = unmeasured_speed_m_s_ * unmeasured_s;
-    const double rotation_rad = kUnmeasuredRate_rad_s * unmeasured_s;
-    out.diagonal().head<3>().array() += displacement_m * displacement_m;
-    out.diagonal().tail<3>().array() += rotation_rad * rotation_rad;
-    return out;
-  }
+  const double unmeasured_s = std::max(0.0, seconds_between(last_measured_, stamp));
+  const double displacement_m = unmeasured_speed_m_s_ * unmeasured_s;
+  const double rotation_rad = kUnmeasuredRate_rad_s * unmeasured_s;
+  out.diagonal().head<3>().array() += displacement_m * displacement_m;
+  out.diagonal().tail<3>().array() += rotation_rad * rotation_rad;
+  return out;
+}
+
+Matrix6d WindowNavigator::pose_covariance(Timestamp stamp) const {
+  if (!window_.is_initialized()) return unmeasured_covariance(stamp);
+  Matrix6d out = origin_covariance_;
   Matrix6d J = Matrix6d::Zero();
   J.topRightCorner<3, 3>().setIdentity();
   J.bottomLeftCorner<3, 3>() = window_.state().world_from_imu.rotation.toRotationMatrix();

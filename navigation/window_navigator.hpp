@@ -29,10 +29,12 @@ class WindowNavigator {
   [[nodiscard]] NavigationEstimate initialize(const Frame& frame);
   [[nodiscard]] std::vector<ImuSample> samples_until(Timestamp stamp,
                                                      const SensorReadings& readings);
-  [[nodiscard]] std::optional<double> rest_sigma_m_s(const FrameInterval& interval) const;
+  [[nodiscard]] std::optional<CameraRest> rest(const Frame& frame,
+                                               const FrameInterval& interval) const;
   [[nodiscard]] Verdict verdict(const FrameInterval& interval) const;
   void restart_if_lost(Timestamp stamp);
   void take_keyframe(const Frame& frame);
+  [[nodiscard]] Matrix6d unmeasured_covariance(Timestamp stamp) const;
   [[nodiscard]] Matrix6d pose_covariance(Timestamp stamp) const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict,
                                           const std::vector<ImuSample>& samples,

@@ -52,21 +52,21 @@ void SlidingWindow::begin_with(WindowFrame first) {
 
 void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuSample> samples,
                               std::span<const FeatureObservation> features,
-                              std::optional<double> rest_sigma_m_s) {
+                              const std::optional<CameraRest>& rest) {
   if (next_frame_id_ == 0) {
     window_.frames.back().id = next_frame_id_++;
     window_.frames.back().stamp = stamp;
     return;
   }
-  if (rest_sigma_m_s && (!is_initialized_ || is_at_rest_)) {
-    stay_at_rest(stamp, samples, features, *rest_sigma_m_s);
+  if (rest && (!is_initialized_ || is_at_rest_)) {
+    stay_at_rest(stamp, samples, features, *rest);
     return;
   }
   is_at_rest_ = false;
   rest_ = {};
   // 1. Predict by the IMU, and merge a frame that is too close to its neighbours.
   predict(stamp, samples);
-  window_.frames.back().rest_sigma_m_s = rest_sigma_m_s;
+  if (rest) window_.frames.back().rest_sigma_m_s = rest->velocity_sigma_m_s;
   bool is_thinned = true;
   if (is_initialized_ && !is_batch_) {
     thin_chain();
@@ -215,17 +215,21 @@ void SlidingWindow::estimate_batch(bool is_full) {
 // One frame, with its features, as long as the camera rests.
 void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuSample> samples,
                                  std::span<const FeatureObservation> features,
-                                 double rest_sigma_m_s) {
+                                 const CameraRest& rest) {
   for (const ImuSample& sample : samples) rest_.add(sample);
   if (!(rest_.duration_s > 0)) return;
   WindowFrame frame;
   frame.id = next_frame_id_++;
   frame.stamp = stamp;
   frame.imu = ImuPreintegration(noise_);
-  frame.state = window_.frames.back().state;
+  // the camera has not rotated since it came to rest
+  const auto at_rest =
+      std::find_if(window_.frames.begin(), window_.frames.end(),
+                   [&](const WindowFrame& earlier) { return earlier.stamp >= rest.since; });
+  frame.state = at_rest == window_.frames.end() ? window_.frames.back().state : at_rest->state;
   const Eigen::Quaterniond before = frame.state.world_from_imu.rotation;
   begin_with(std::move(frame));
-  initialize_at_rest(window_, rest_, rest_sigma_m_s, priors_);
+  initialize_at_rest(window_, rest_, rest.velocity_sigma_m_s, priors_);
   align_first_pose(before, state().world_from_imu.rotation);
   take_keyframe(features);
   is_initialized_ = is_at_rest_ = true;

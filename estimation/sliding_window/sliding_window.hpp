@@ -19,6 +19,12 @@ struct FeatureObservation {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
 };
 
+/// Zero velocity by images.
+struct CameraRest {
+  Timestamp since;
+  double velocity_sigma_m_s = 0;  ///< per axis
+};
+
 /// Visual-inertial fixed-lag smoother over keyframes and the latest frames; docs/fusion.md,
 /// "Sliding window". Until initialized the state is the IMU's integral from the given pose.
 class SlidingWindow {
@@ -30,11 +36,11 @@ class SlidingWindow {
                 const ImuNoise& noise, const InertialPriors& priors);
 
   /// Adds an image with the IMU samples since the previous one and the features of known tracks;
-  /// estimates all states. The first frame has no samples. `rest_sigma_m_s`: standard deviation of
-  /// the velocity, per axis, where the images show a camera at rest.
+  /// estimates all states. The first frame has no samples. `rest`: the images show a camera at
+  /// rest.
   void add_frame(Timestamp stamp, std::span<const ImuSample> samples,
                  std::span<const FeatureObservation> features,
-                 std::optional<double> rest_sigma_m_s = {});
+                 const std::optional<CameraRest>& rest = {});
 
   /// Forgets everything but the pose, extrinsics and their priors; a new initialization follows.
   void restart();
@@ -73,7 +79,7 @@ class SlidingWindow {
   void try_initialization();
   void estimate_batch(bool is_full);
   void stay_at_rest(Timestamp stamp, std::span<const ImuSample> samples,
-                    std::span<const FeatureObservation> features, double rest_sigma_m_s);
+                    std::span<const FeatureObservation> features, const CameraRest& rest);
   void triangulate_tracks();
   void estimate();
   void update_covariance();

@@ -111,6 +111,43 @@ TEST(SlidingWindow, CovarianceIsConsistent) {
   EXPECT_GT(mean.minCoeff(), 0.5) << mean.transpose();
 }
 
+TEST(SlidingWindow, InitializesAtRestByTheImu) {
+  HandHeldMotion motion;
+  motion.amplitude_m = 0;
+  motion.tilt_rad = 0;
+  motion.accel_bias_m_s2.setZero();
+  std::mt19937 random(3);
+  const auto points = points_in_view(motion, 100, random);
+  RigidTransform first = motion.state(0).world_from_imu;
+  first.rotation = first.rotation * so3_exp({0.2, -0.3, 0});
+  SlidingWindow window(motion.extrinsics, first, kImu, InertialPriors{});
+  for (int frame = 0; frame < 20; ++frame) {
+    const double t_s = kFrame_s * frame;
+    const auto features = observe(motion, t_s, points, kBearingSigma, random);
+    const auto samples =
+        frame == 0 ? std::vector<ImuSample>() : motion.samples(t_s - kFrame_s, t_s, kImu, random);
+    const std::optional<CameraRest> rest =
+        frame < 10 ? std::nullopt : std::optional(CameraRest{from_seconds(0), 0.001});
+    window.add_frame(from_seconds(t_s), samples, features, rest);
+    if (frame == 0) window.take_keyframe(features);
+  }
+  ASSERT_TRUE(window.is_initialized());
+  EXPECT_LT((window.state().gyro_bias_rad_s - motion.gyro_bias_rad_s).norm(), 1e-3);
+  EXPECT_EQ(window.state().velocity_in_world_m_s.norm(), 0);
+  const Eigen::Vector3d up = window.state().world_from_imu.rotation * Eigen::Vector3d::UnitZ();
+  EXPECT_LT(angle_between_rad(up, Eigen::Vector3d(Eigen::Vector3d::UnitZ())), 1e-3);
+}
+
+TEST(SlidingWindow, IsNotInitializedAfterARestart) {
+  WindowRun run(4);
+  while (!run.window->is_initialized() && run.frame < 60) run.step();
+  ASSERT_TRUE(run.window->is_initialized());
+  run.window->restart();
+  EXPECT_FALSE(run.window->is_initialized());
+  EXPECT_TRUE(run.window->is_restarted());
+  EXPECT_EQ(run.window->window().frames.size(), 1U);
+}
+
 TEST(SlidingWindow, PredictsByTheImuWithoutFeatures) {
   WindowRun run(2);
   while (run.frame < 100) run.step();
