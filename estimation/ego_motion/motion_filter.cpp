@@ -1,6 +1,7 @@
 #include "estimation/ego_motion/motion_filter.hpp"
 
 #include <Eigen/Cholesky>
+#include <limits>
 
 namespace stillkite {
 namespace {
@@ -8,11 +9,13 @@ namespace {
 // Rounding dominates the displacement of shorter intervals.
 constexpr double kMinInterval_s = 1e-6;
 
-// Of the position innovation given the rotation innovation, without its constant.
+// Of the position innovation given the rotation innovation, without its constant. NaN: unknown.
 double position_log_likelihood(const Vector6d& innovation, const Matrix6d& S) {
   const Eigen::Matrix3d gain = S.topRightCorner<3, 3>() * S.bottomRightCorner<3, 3>().inverse();
   const Eigen::LDLT<Eigen::Matrix3d> ldlt(S.topLeftCorner<3, 3>() -
                                           gain * S.bottomLeftCorner<3, 3>());
+  // the stamp's error can make position and rotation fully correlated
+  if (!(ldlt.vectorD().minCoeff() > 0)) return std::numeric_limits<double>::quiet_NaN();
   const Eigen::Vector3d residual = innovation.head<3>() - gain * innovation.tail<3>();
   return -0.5 * (residual.dot(ldlt.solve(residual)) + ldlt.vectorD().array().log().sum());
 }

@@ -105,8 +105,9 @@ void MultipleModelFilter::update(const RigidTransform& measured_pose, const Matr
   mixture_ = mix(probabilities());
 }
 
-// Bayes' rule.
+// Bayes' rule; the probabilities stay where a likelihood is unknown.
 void MultipleModelFilter::weight(const Weights& log_likelihoods) {
+  if (!std::ranges::all_of(log_likelihoods, [](double l) { return std::isfinite(l); })) return;
   const double max = *std::ranges::max_element(log_likelihoods);
   double sum = 0;
   for (std::size_t i = 0; i < kModels; ++i) {

@@ -186,5 +186,19 @@ TEST(MultipleModelFilter, DiscontinuityIsLikelierFarFromThePrediction) {
   EXPECT_GT(log_ratio(50 * kPositionSigma_m), 12);
 }
 
+// The error of a stamp moves position and rotation together, with a variance far above the others.
+TEST(MultipleModelFilter, StaysFiniteWithFullyCorrelatedMeasurements) {
+  MultipleModelFilter filter(kOneModel);
+  filter.initialize({}, 1, 1);
+  const Vector6d common = 1e6 * Vector6d::LinSpaced(6, 0.3, 1.7);
+  const Matrix6d covariance = 1e-10 * Matrix6d::Identity() + common * common.transpose();
+  for (int i = 0; i < 20; ++i) {
+    filter.predict(kPeriod_s);
+    filter.update(filter.pose(), covariance, filter.twist_in_camera(), Matrix6d::Zero());
+  }
+  EXPECT_TRUE(filter.twist_covariance().allFinite());
+  EXPECT_TRUE(filter.twist_in_camera().vector().allFinite());
+}
+
 }  // namespace
 }  // namespace stillkite
