@@ -204,7 +204,7 @@ ConfigNode parse_yaml(const std::string& text, const std::string& origin,
 }
 
 ConfigNode read_yaml(const std::filesystem::path& file) {
-  const std::string text = read_text_file(file);
+  const std::string text = read_bytes(file);
   if (text.find('\0') != std::string::npos) {
     throw InputError(file.string() +
                      ": not a UTF-8 text file; expected a YAML file. Give a video as "
