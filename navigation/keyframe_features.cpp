@@ -15,7 +15,8 @@ constexpr int kFeatures = 200;
 
 // Errors of a patch are 1 to 1.6 standard deviations of its covariance (FeatureTracks).
 constexpr double kMaxErrorSigmas = 1.6;
-// Of a feature in the image where it is detected: its patch is the reference of all others.
+// Variance of a feature in the image where it is detected: its patch is the reference of all
+// others.
 constexpr double kMinVariance_px2 = 0.02 * 0.02;
 
 // Spread over the image: two thirds of the spacing of a regular grid of so many.

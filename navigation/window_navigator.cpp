@@ -25,7 +25,7 @@ InertialPriors inertial_priors(const NavigatorConfig& config) {
   return priors;
 }
 
-// Of an angular rate that is measured with the gyroscope's unknown bias only.
+// Standard deviation of an angular rate by a gyroscope of unknown bias.
 constexpr double kUnmeasuredRate_rad_s = 0.1;
 
 Matrix6d initial_covariance(double tilt_sigma_rad) {
@@ -34,7 +34,7 @@ Matrix6d initial_covariance(double tilt_sigma_rad) {
   return covariance;
 }
 
-// The height, where it is known.
+// Height of the camera, where it is known.
 double rest_depth_m(const InitialState& initial, const RigidTransform& body_from_camera) {
   constexpr double kUnknown_m = 10;
   if (initial.scale == ScaleSource::none) return kUnknown_m;
@@ -155,7 +155,7 @@ void WindowNavigator::restart_if_lost(Timestamp stamp) {
   window_.restart();
 }
 
-// Both (translation, rotation vector) in the world.
+// Covariances of (translation, rotation vector) in the world.
 Matrix6d WindowNavigator::unmeasured_covariance(Timestamp stamp) const {
   Matrix6d out = origin_covariance_;
   const double unmeasured_s = std::max(0.0, seconds_between(last_measured_, stamp));

@@ -60,7 +60,7 @@ struct PointProjection {
 /// Empty if the point is behind the camera.
 [[nodiscard]] std::optional<PointProjection> project_point(const CameraPair& pair,
                                                            const InverseDepthPoint& point);
-/// The same without Jacobians.
+/// Bearing only, without Jacobians.
 [[nodiscard]] std::optional<Eigen::Vector2d> project_bearing(const CameraPair& pair,
                                                              const InverseDepthPoint& point);
 

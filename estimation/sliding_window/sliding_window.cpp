@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kChainFrames = 6;
 constexpr std::size_t kKeyframes = 8;
 constexpr std::size_t kBatchFrames = 15;
-// Of two chain frames; the frames between are merged.
+// Minimum interval of two chain frames; the frames between are merged.
 constexpr double kMinChainInterval_s = 0.045;
 constexpr double kMinInitialization_s = 0.4;
 constexpr int kMaxIterations = 4;

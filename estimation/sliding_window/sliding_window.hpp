@@ -54,10 +54,11 @@ class SlidingWindow {
   [[nodiscard]] const ImuNoise& noise() const { return noise_; }
   /// Depth of the points in their first keyframes; empty without points.
   [[nodiscard]] std::optional<double> median_depth_m() const;
-  /// Of the newest frame.
+  /// State of the newest frame.
   [[nodiscard]] const InertialState& state() const { return window_.frames.back().state; }
   [[nodiscard]] const CameraExtrinsics& extrinsics() const { return window_.extrinsics; }
-  /// Order of InertialIndex; rotation errors in IMU axes. Zero before the initialization.
+  /// Covariance of the newest frame's state, order of InertialIndex. Zero before the
+  /// initialization.
   [[nodiscard]] const Matrix15d& covariance() const { return covariance_; }
   /// Pose at the first frame; roll and pitch by the vertical of the first initialization.
   [[nodiscard]] const RigidTransform& world_from_first() const { return world_from_first_; }

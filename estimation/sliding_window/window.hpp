@@ -16,7 +16,7 @@ struct WindowFrame {
   std::int64_t id = 0;
   Timestamp stamp;
   InertialState state;
-  /// Where the Jacobians are evaluated once the marginal prior depends on this frame.
+  /// Linearization point of the Jacobians once the marginal prior depends on this frame.
   std::optional<InertialState> first_estimate;
   ImuPreintegration imu;                                 ///< since the previous frame of the chain
   Eigen::Vector3d gyro_rad_s = Eigen::Vector3d::Zero();  ///< reading at this frame

@@ -52,7 +52,7 @@ struct WindowFit {
   double reprojection = 0;  ///< part of it by the points
   int observations = 0;     ///< of the points, without those of their first keyframes
   int iterations = 0;
-  /// Of the newest frame, at the last linearization; empty if no step was possible.
+  /// Covariance of the newest frame at the last linearization; empty if no step was possible.
   std::optional<Eigen::MatrixXd> newest_covariance;
 };
 
