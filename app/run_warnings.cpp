@@ -92,8 +92,25 @@ std::optional<std::string> height_above_sea_level(const EstimatorRun& run) {
       1e-3 * position.head<2>().norm(), position.z());
 }
 
+std::optional<std::string> unused_by_the_window(const RunConfig& config) {
+  if (config.estimator.policy != Policy::fused ||
+      config.navigator.fusion.solver != FusionSolver::window) {
+    return std::nullopt;
+  }
+  std::string keys;
+  const auto add = [&](bool is_set, std::string_view key) {
+    if (is_set) keys += (keys.empty() ? "" : ", ") + std::string(key);
+  };
+  add(config.height.path.has_value(), "height.path");
+  add(config.attitude.path.has_value(), "attitude.path");
+  add(config.navigator.readout_s > 0, "navigator.readout_s");
+  if (keys.empty()) return std::nullopt;
+  return keys + ": not used by fusion.solver=window";
+}
+
 Messages input_warnings(const EstimatorRun& run) {
   Messages messages;
+  if (const auto message = unused_by_the_window(run.config())) messages.push_back(*message);
   if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
   if (const auto message = no_ground_in_view(run.inputs())) messages.push_back(*message);
   if (const auto message = height_above_sea_level(run)) messages.push_back(*message);

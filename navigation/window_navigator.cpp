@@ -20,13 +20,11 @@ ImuNoise imu_noise(const FusionConfig& config) {
 }
 
 InertialPriors inertial_priors(const NavigatorConfig& config) {
+  constexpr double kMinSigma_rad_s = 1e-6;  // a bias that is known exactly
   InertialPriors priors;
-  priors.gyro_bias_rad_s = config.sensors.gyro_bias_sigma_rad_s;
+  priors.gyro_bias_rad_s = std::max(kMinSigma_rad_s, config.sensors.gyro_bias_sigma_rad_s);
   return priors;
 }
-
-// Standard deviation of an angular rate by a gyroscope of unknown bias.
-constexpr double kUnmeasuredRate_rad_s = 0.1;
 
 Matrix6d initial_covariance(double tilt_sigma_rad) {
   Matrix6d covariance = kExactVariance * Matrix6d::Identity();
@@ -52,6 +50,7 @@ WindowNavigator::WindowNavigator(const Camera& camera, const RigidTransform& bod
       window_({.imu_from_camera = body_from_camera}, initial.world_from_body,
               imu_noise(config.fusion), inertial_priors(config)),
       origin_covariance_(initial_covariance(config.initial_tilt_sigma_rad)),
+      rate_sigma_rad_s_(config.sensors.gyro_bias_sigma_rad_s),
       unmeasured_speed_m_s_(kInitialSpeedSigma_heights_s * rest_depth_m_) {}
 
 NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval& interval,
@@ -160,7 +159,7 @@ Matrix6d WindowNavigator::unmeasured_covariance(Timestamp stamp) const {
   Matrix6d out = origin_covariance_;
   const double unmeasured_s = std::max(0.0, seconds_between(last_measured_, stamp));
   const double displacement_m = unmeasured_speed_m_s_ * unmeasured_s;
-  const double rotation_rad = kUnmeasuredRate_rad_s * unmeasured_s;
+  const double rotation_rad = rate_sigma_rad_s_ * unmeasured_s;
   out.diagonal().head<3>().array() += displacement_m * displacement_m;
   out.diagonal().tail<3>().array() += rotation_rad * rotation_rad;
   return out;
@@ -223,7 +222,7 @@ NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_ver
   Eigen::Matrix3d velocity_covariance =
       unmeasured_speed_m_s_ * unmeasured_speed_m_s_ * Eigen::Matrix3d::Identity();
   Eigen::Matrix3d rate_covariance =
-      kUnmeasuredRate_rad_s * kUnmeasuredRate_rad_s * Eigen::Matrix3d::Identity();
+      rate_sigma_rad_s_ * rate_sigma_rad_s_ * Eigen::Matrix3d::Identity();
   if (window_.is_initialized()) {
     const SlidingWindow::Matrix15d& P = window_.covariance();
     velocity_covariance = P.block<3, 3>(Index::kVelocity, Index::kVelocity);

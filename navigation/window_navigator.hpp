@@ -50,6 +50,7 @@ class WindowNavigator {
   Timestamp last_;
   Timestamp last_measured_;
   Matrix6d origin_covariance_;   // pose of the window's first frame, (translation, rotation) in W
+  double rate_sigma_rad_s_;      // by the gyroscope with an unknown bias
   double unmeasured_speed_m_s_;  // sigma without an initialization
 };
 

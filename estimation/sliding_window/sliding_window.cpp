@@ -58,7 +58,9 @@ void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuSample> sample
     window_.frames.back().stamp = stamp;
     return;
   }
-  if (rest && (!is_initialized_ || is_at_rest_)) {
+  const bool has_readings = std::any_of(samples.begin(), samples.end(),
+                                        [](const ImuSample& sample) { return !sample.is_gap; });
+  if (rest && has_readings && (!is_initialized_ || is_at_rest_)) {
     stay_at_rest(stamp, samples, features, *rest);
     return;
   }
@@ -217,7 +219,6 @@ void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuSample> sam
                                  std::span<const FeatureObservation> features,
                                  const CameraRest& rest) {
   for (const ImuSample& sample : samples) rest_.add(sample);
-  if (!(rest_.duration_s > 0)) return;
   WindowFrame frame;
   frame.id = next_frame_id_++;
   frame.stamp = stamp;

@@ -365,10 +365,11 @@ WindowFit optimize(Window& window, int max_iterations) {
     equations.information.diagonal() *= 1 + damping;
     const Eigen::LLT<Eigen::MatrixXd> factor(equations.information);
     const Eigen::VectorXd step = factor.solve(equations.gradient);
+    const bool is_solved = factor.info() == Eigen::Success && step.allFinite();
     const Values before = values_of(window, scope);
-    if (factor.info() == Eigen::Success && step.allFinite()) apply_step(step, linear, window);
+    if (is_solved) apply_step(step, linear, window);
     const Cost next = cost_of(window, scope);
-    if (!(next.total <= cost.total)) {
+    if (!is_solved || !(next.total <= cost.total)) {
       restore(before, scope, window);
       damping = std::max(kMinDamping, 10 * damping);
       continue;
