@@ -32,9 +32,11 @@ struct RobustWeight {
   double slope;
 };
 
+/// Tuning constant of Huber's kernel.
+inline constexpr double kHuber = 1.5;
+
 /// Weight and slope at the squared distance d^2.
 [[nodiscard]] inline RobustWeight robust_weight(RobustKernel kernel, double squared_distance) {
-  constexpr double kHuber = 1.5;
   constexpr double kTukey = 5.1;
   constexpr double kGemanMcClure = 4.1;
   switch (kernel) {
@@ -54,6 +56,12 @@ struct RobustWeight {
     }
   }
   return {1, 1};
+}
+
+/// Huber's loss at the squared distance d^2: its derivative is the kernel's weight.
+[[nodiscard]] inline double huber_loss(double squared_distance) {
+  if (squared_distance <= kHuber * kHuber) return squared_distance;
+  return 2 * kHuber * std::sqrt(squared_distance) - kHuber * kHuber;
 }
 
 /// Median of the Rayleigh distribution, sqrt(2 ln 2): length of two standard normal components.

@@ -2,8 +2,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <optional>
-#include <vector>
 
 #include "estimation/sliding_window/window.hpp"
 
@@ -21,24 +19,6 @@ struct InertialPriors {
   double lever_arm_m = 0.005;
   double time_offset_s = 0.002;
 };
-
-/// Gyroscope bias with which the rotated bearings of all pairs of frames fulfil the epipolar
-/// constraint (Kneip and Lynen, ICCV 2013; He et al., CVPR 2023). Also for pure rotation and
-/// planes. Empty with fewer than three usable pairs.
-[[nodiscard]] std::optional<Eigen::Vector3d> gyro_bias_from_images(const Window& window,
-                                                                   double prior_sigma_rad_s);
-
-/// Solution of the linear equations of gravity, velocity and depths (Dong-Si and Mourikis 2012),
-/// in the axes of the first frame's IMU.
-struct LinearAlignment {
-  Eigen::Vector3d gravity;
-  Eigen::Vector3d velocity;
-  std::vector<RigidTransform> first_from_imu;   ///< of each frame
-  std::vector<Eigen::Vector3d> velocities;      ///< of each frame
-  std::vector<std::optional<double>> depths_m;  ///< of each track in its first keyframe
-};
-[[nodiscard]] std::optional<LinearAlignment> align_linearly(const Window& window,
-                                                            const Eigen::Vector3d& gyro_bias);
 
 /// Outcome of an attempt.
 struct Initialization {

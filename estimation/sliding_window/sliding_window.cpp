@@ -1,11 +1,14 @@
 #include "estimation/sliding_window/sliding_window.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "estimation/sliding_window/frame_selection.hpp"
 #include "estimation/sliding_window/marginalization.hpp"
+#include "estimation/sliding_window/reprojection_errors.hpp"
 #include "estimation/sliding_window/triangulation.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
 #include "geometry/median.hpp"
@@ -22,12 +25,6 @@ constexpr double kMinChainInterval_s = 0.045;
 constexpr double kMinInitialization_s = 0.4;
 constexpr int kMaxIterations = 4;
 constexpr double kMaxSquaredError = 16;  // four sigma in two dimensions
-
-const WindowObservation* observation_in(const WindowTrack& track, std::int64_t frame_id) {
-  const auto at = std::find_if(track.observations.rbegin(), track.observations.rend(),
-                               [&](const WindowObservation& o) { return o.frame_id == frame_id; });
-  return at == track.observations.rend() ? nullptr : &*at;
-}
 
 }  // namespace
 
@@ -101,7 +98,7 @@ void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features) 
     window_.tracks.push_back({.id = feature.track_id,
                               .observations = {{.frame_id = newest.id,
                                                 .bearing = feature.bearing,
-                                                .covariance = feature.covariance}},
+                                                .information = feature.covariance.inverse()}},
                               .point = std::nullopt});
   }
   if (is_initialized_ && !is_batch_) limit_keyframes();
@@ -140,17 +137,9 @@ void SlidingWindow::thin_chain() {
 // keyframe. False if there are too many keyframes.
 bool SlidingWindow::thin_batch() {
   if (window_.frames.size() <= kBatchFrames) return true;
-  std::size_t closest = 0;
-  double shortest_s = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i + 1 < window_.frames.size(); ++i) {
-    if (window_.frames[i].is_keyframe) continue;
-    const double span_s = seconds_between(window_.frames[i - 1].stamp, window_.frames[i + 1].stamp);
-    if (span_s >= shortest_s) continue;
-    shortest_s = span_s;
-    closest = i;
-  }
-  if (closest == 0) return false;
-  merge_frame(window_, closest);
+  const std::optional<std::size_t> closest = closest_frame(window_);
+  if (!closest) return false;
+  merge_frame(window_, *closest);
   return true;
 }
 
@@ -180,8 +169,9 @@ void SlidingWindow::add_observations(std::span<const FeatureObservation> feature
         std::lower_bound(window_.tracks.begin(), window_.tracks.end(), feature.track_id,
                          [](const WindowTrack& t, std::int64_t id) { return t.id < id; });
     if (track == window_.tracks.end() || track->id != feature.track_id) continue;
-    track->observations.push_back(
-        {.frame_id = newest.id, .bearing = feature.bearing, .covariance = feature.covariance});
+    track->observations.push_back({.frame_id = newest.id,
+                                   .bearing = feature.bearing,
+                                   .information = feature.covariance.inverse()});
   }
 }
 
@@ -296,7 +286,7 @@ void SlidingWindow::reject_outliers() {
       return &observation != track.observations.data() &&
              errors.squared(track, observation) > kMaxSquaredError;
     };
-    const bool is_measured = observation_in(track, newest) != nullptr;
+    const bool is_measured = track.in(newest) != nullptr;
     measured_points_ += is_measured;
     std::vector<WindowObservation> kept;
     kept.reserve(track.observations.size());
@@ -304,7 +294,7 @@ void SlidingWindow::reject_outliers() {
       if (!is_outlier(observation)) kept.push_back(observation);
     }
     track.observations = std::move(kept);
-    inlier_points_ += observation_in(track, newest) != nullptr;
+    inlier_points_ += track.in(newest) != nullptr;
     constexpr double kMinInverseDepth_1_m = 1e-6;
     if (track.point->inverse_depth < kMinInverseDepth_1_m) track.point.reset();
   }
@@ -332,52 +322,9 @@ void SlidingWindow::limit_keyframes() {
                                                   [](const auto& f) { return !f.has_motion; }));
   };
   while (poses() > kKeyframes) {
-    marginalize_frame(window_, redundant_keyframe());
+    marginalize_frame(window_, redundant_keyframe(window_));
     restart_tracks();
   }
-}
-
-// The keyframe whose points are out of view, else the one closest to its neighbours (Engel et al.,
-// "Direct sparse odometry", IEEE T-PAMI 2018, section 3.1).
-std::size_t SlidingWindow::redundant_keyframe() const {
-  const WindowFrame& newest = window_.frames.back();
-  std::vector<std::size_t> poses;
-  for (std::size_t i = 0; i < window_.frames.size(); ++i) {
-    if (!window_.frames[i].has_motion) poses.push_back(i);
-  }
-  constexpr double kMinVisible_ratio = 0.05;
-  for (const std::size_t i : poses) {
-    int hosted = 0;
-    int visible = 0;
-    for (const WindowTrack& track : window_.tracks) {
-      if (track.observations.empty() ||
-          track.observations.front().frame_id != window_.frames[i].id) {
-        continue;
-      }
-      ++hosted;
-      visible += observation_in(track, newest.id) != nullptr;
-    }
-    if (visible <= kMinVisible_ratio * hosted) return i;
-  }
-  const auto distance = [&](std::size_t a, std::size_t b) {
-    constexpr double kMin_m = 1e-3;
-    return kMin_m + (window_.frames[a].state.world_from_imu.translation -
-                     window_.frames[b].state.world_from_imu.translation)
-                        .norm();
-  };
-  std::size_t redundant = poses.front();
-  double highest = 0;
-  for (const std::size_t i : poses) {
-    double closeness = 0;
-    for (const std::size_t k : poses) {
-      if (k != i) closeness += 1 / distance(i, k);
-    }
-    const double score = std::sqrt(distance(i, window_.frames.size() - 1)) * closeness;
-    if (score <= highest) continue;
-    highest = score;
-    redundant = i;
-  }
-  return redundant;
 }
 
 std::optional<double> SlidingWindow::median_depth_m() const {

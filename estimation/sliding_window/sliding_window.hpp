@@ -87,7 +87,6 @@ class SlidingWindow {
   void reject_outliers();
   void slide();
   void limit_keyframes();
-  [[nodiscard]] std::size_t redundant_keyframe() const;
   void remove_empty_tracks();
 
   ImuNoise noise_;

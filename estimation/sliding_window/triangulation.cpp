@@ -29,10 +29,10 @@ std::optional<InverseDepthPoint> triangulate(const Window& window, const WindowT
       if (!seen) return std::nullopt;
       const Eigen::Vector2d residual = observation.bearing - seen->bearing;
       const Eigen::Vector2d by_depth = seen->by_point.col(2);
-      const Eigen::Vector2d weighted = observation.covariance.inverse() * by_depth;
+      const Eigen::Vector2d weighted = observation.information * by_depth;
       information += by_depth.dot(weighted);
       gradient += residual.dot(weighted);
-      squared += residual.dot(observation.covariance.inverse() * residual);
+      squared += residual.dot(observation.information * residual);
     }
     if (!(information > 0)) return std::nullopt;
     point.inverse_depth += gradient / information;

@@ -20,6 +20,12 @@ RigidTransform WindowFrame::world_from_imu_after(double shift_s, bool at_first_e
           pose.translation + error.tail<3>()};
 }
 
+const WindowObservation* WindowTrack::in(std::int64_t frame_id) const {
+  const auto at = std::find_if(observations.rbegin(), observations.rend(),
+                               [&](const WindowObservation& o) { return o.frame_id == frame_id; });
+  return at == observations.rend() ? nullptr : &*at;
+}
+
 std::vector<int> Window::offsets() const {
   std::vector<int> offsets;
   offsets.reserve(frames.size() + 1);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -39,8 +40,13 @@ struct WindowFrame {
 /// Bearing of a feature in one image.
 struct WindowObservation {
   std::int64_t frame_id = 0;
-  Eigen::Vector2d bearing = Eigen::Vector2d::Zero();  ///< on z = 1
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d bearing = Eigen::Vector2d::Zero();          ///< on z = 1
+  Eigen::Matrix2d information = Eigen::Matrix2d::Identity();  ///< inverse covariance
+
+  /// Mean variance of the two components.
+  [[nodiscard]] double variance() const {
+    return 0.5 * information.trace() / information.determinant();
+  }
 };
 
 /// Feature of the window; the first observation is in a keyframe, the point's first keyframe.
@@ -48,6 +54,9 @@ struct WindowTrack {
   std::int64_t id = 0;
   std::vector<WindowObservation> observations;
   std::optional<InverseDepthPoint> point;  ///< empty until triangulated
+
+  /// Observation in a frame; null if there is none.
+  [[nodiscard]] const WindowObservation* in(std::int64_t frame_id) const;
 };
 
 /// Prior from marginalized variables: cost 1/2 d^T H d - g^T d of the error d from the first

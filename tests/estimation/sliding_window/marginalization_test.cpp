@@ -44,14 +44,14 @@ Window true_window() {
                                       [&](const auto& t) { return t.id == feature.track_id; });
       const bool is_of_second = feature.track_id % 2 == 1;
       if (known != window.tracks.end()) {
-        known->observations.push_back({i, feature.bearing, feature.covariance});
+        known->observations.push_back({i, feature.bearing, feature.covariance.inverse()});
       } else if (i == (is_of_second ? 1 : 0)) {
         const RigidTransform world_from_camera =
             motion.state(t_s).world_from_imu * motion.extrinsics.imu_from_camera;
         const Eigen::Vector3d x =
             world_from_camera.inverse() * points[static_cast<std::size_t>(feature.track_id)];
         window.tracks.push_back({feature.track_id,
-                                 {{i, feature.bearing, feature.covariance}},
+                                 {{i, feature.bearing, feature.covariance.inverse()}},
                                  InverseDepthPoint{x.hnormalized(), 1 / x.z()}});
       }
     }

@@ -1,0 +1,63 @@
+#include "estimation/sliding_window/frame_selection.hpp"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace stillkite {
+
+std::optional<std::size_t> closest_frame(const Window& window) {
+  std::optional<std::size_t> closest;
+  double shortest_s = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i + 1 < window.frames.size(); ++i) {
+    if (window.frames[i].is_keyframe) continue;
+    const double span_s = seconds_between(window.frames[i - 1].stamp, window.frames[i + 1].stamp);
+    if (span_s >= shortest_s) continue;
+    shortest_s = span_s;
+    closest = i;
+  }
+  return closest;
+}
+
+std::size_t redundant_keyframe(const Window& window) {
+  const WindowFrame& newest = window.frames.back();
+  std::vector<std::size_t> poses;
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    if (!window.frames[i].has_motion) poses.push_back(i);
+  }
+  constexpr double kMinVisible_ratio = 0.05;
+  for (const std::size_t i : poses) {
+    int hosted = 0;
+    int visible = 0;
+    for (const WindowTrack& track : window.tracks) {
+      if (track.observations.empty() ||
+          track.observations.front().frame_id != window.frames[i].id) {
+        continue;
+      }
+      ++hosted;
+      visible += track.in(newest.id) != nullptr;
+    }
+    if (visible <= kMinVisible_ratio * hosted) return i;
+  }
+  const auto distance = [&](std::size_t a, std::size_t b) {
+    constexpr double kMin_m = 1e-3;
+    return kMin_m + (window.frames[a].state.world_from_imu.translation -
+                     window.frames[b].state.world_from_imu.translation)
+                        .norm();
+  };
+  std::size_t redundant = poses.front();
+  double highest = 0;
+  for (const std::size_t i : poses) {
+    double closeness = 0;
+    for (const std::size_t k : poses) {
+      if (k != i) closeness += 1 / distance(i, k);
+    }
+    const double score = std::sqrt(distance(i, window.frames.size() - 1)) * closeness;
+    if (score <= highest) continue;
+    highest = score;
+    redundant = i;
+  }
+  return redundant;
+}
+
+}  // namespace stillkite

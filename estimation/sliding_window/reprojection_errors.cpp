@@ -1,0 +1,29 @@
+#include "estimation/sliding_window/reprojection_errors.hpp"
+
+#include <limits>
+
+namespace stillkite {
+
+const CameraPair& CameraPairs::at(std::size_t host, std::size_t target) {
+  std::optional<CameraPair>& pair = pairs_[host * window_.frames.size() + target];
+  if (!pair) {
+    const double shift_s = window_.image_shift_s();
+    const CameraExtrinsics& extrinsics =
+        at_first_estimates_ ? window_.first_extrinsics : window_.extrinsics;
+    pair = camera_pair(window_.frames[host].world_from_imu_after(shift_s, at_first_estimates_),
+                       window_.frames[target].world_from_imu_after(shift_s, at_first_estimates_),
+                       extrinsics.imu_from_camera);
+  }
+  return *pair;
+}
+
+double ReprojectionErrors::squared(const WindowTrack& track, const WindowObservation& observation) {
+  const std::size_t host = *window_.find(track.observations.front().frame_id);
+  const std::size_t target = *window_.find(observation.frame_id);
+  const auto seen = project_bearing(pairs_.at(host, target), *track.point);
+  if (!seen) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector2d residual = observation.bearing - *seen;
+  return residual.dot(observation.information * residual);
+}
+
+}  // namespace stillkite

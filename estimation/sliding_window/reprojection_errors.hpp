@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "estimation/sliding_window/window.hpp"
+
+namespace stillkite {
+
+/// Camera pairs of a window, each computed once; at the present estimate or at the linearization
+/// points.
+class CameraPairs {
+ public:
+  CameraPairs(const Window& window, bool at_first_estimates)
+      : window_(window),
+        at_first_estimates_(at_first_estimates),
+        pairs_(window.frames.size() * window.frames.size()) {}
+
+  [[nodiscard]] const CameraPair& at(std::size_t host, std::size_t target);
+
+ private:
+  const Window& window_;
+  bool at_first_estimates_;
+  std::vector<std::optional<CameraPair>> pairs_;
+};
+
+/// Squared reprojection errors over their variances.
+class ReprojectionErrors {
+ public:
+  explicit ReprojectionErrors(const Window& window) : window_(window), pairs_(window, false) {}
+
+  /// Infinite behind the camera.
+  [[nodiscard]] double squared(const WindowTrack& track, const WindowObservation& observation);
+
+ private:
+  const Window& window_;
+  CameraPairs pairs_;
+};
+
+}  // namespace stillkite
