@@ -97,7 +97,7 @@ std::optional<Vector6d> solve_on_sphere(const Matrix66& H, const Vector6d& g) {
   const Eigen::Vector3d right = g.tail<3>() - cross.transpose() * velocity.solve(g.head<3>());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(reduced);
   const Eigen::Vector3d in_axes = eigen.eigenvectors().transpose() * right;
-  const Eigen::Vector3d values = eigen.eigenvalues();
+  const Eigen::Vector3d& values = eigen.eigenvalues();
   if (!(values(2) > 0) || !in_axes.allFinite()) return std::nullopt;
   const auto length = [&](double multiplier) {
     return (in_axes.array() / (values.array() + multiplier)).matrix().norm();
@@ -152,8 +152,9 @@ std::optional<LinearAlignment> align_linearly(const Window& window,
   out.velocity = solution.head<3>();
   out.gravity = solution.tail<3>();
   for (const Integrated& frame : frames) {
-    out.first_from_imu.push_back({frame.rotation, frame.position + frame.t_s * out.velocity +
-                                                      0.5 * frame.t_s * frame.t_s * out.gravity});
+    const Eigen::Vector3d position =
+        frame.position + frame.t_s * out.velocity + 0.5 * frame.t_s * frame.t_s * out.gravity;
+    out.first_from_imu.push_back({frame.rotation, position});
     out.velocities.push_back(out.velocity + frame.t_s * out.gravity + frame.velocity);
   }
   return out;
