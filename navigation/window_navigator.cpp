@@ -6,7 +6,7 @@
 #include "flow/standstill_detector.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/estimate_parts.hpp"
-#include "navigation/imu_samples.hpp"
+#include "navigation/imu_readings.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
@@ -57,21 +57,23 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
                                          const SensorReadings& readings) {
   StopWatch watch;
   if (interval.rejection == Verdict::first_frame) return initialize(frame);
-  if (frame.stamp <= last_) return answer(frame, Verdict::time_gap, {}, false);
+  if (frame.stamp <= last_) return answer(frame, Verdict::time_gap, false);
   // 1. Track the features of the latest keyframe.
   const bool is_image_usable = interval.rejection != Verdict::frozen;
   const std::vector<FeatureObservation> features =
       is_image_usable ? features_.track(frame) : std::vector<FeatureObservation>();
   const double flow_ms = watch.lap_ms();
   // 2. Predict by the IMU; estimate all states and points of the window.
-  const std::vector<ImuSample> samples = samples_until(frame.stamp, readings);
+  const std::vector<ImuReading> imu = imu_readings(readings.inertial, imu_known_until_);
+  if (!imu.empty()) imu_known_until_ = imu.back().to;
   const std::optional<CameraRest> camera_rest = rest(frame, interval);
   const bool was_initialized = window_.is_initialized();
-  window_.add_frame(frame.stamp, samples, features, camera_rest);
+  window_.add_frame(frame.stamp, imu, features, camera_rest);
   if (!was_initialized && window_.is_initialized()) {
     origin_covariance_ = unmeasured_covariance(camera_rest ? camera_rest->since
                                                            : window_.window().frames.front().stamp);
   }
+  previous_ = last_;
   last_ = frame.stamp;
   // 3. Without measurements for too long: initialize again.
   const Verdict frame_verdict = verdict(interval);
@@ -84,19 +86,17 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
   const bool new_keyframe =
       is_image_usable && (!has_tracks || features_.needs_keyframe(world_from_keyframe_.conjugate() *
                                                                   world_from_camera));
-  NavigationEstimate out = answer(frame, frame_verdict, samples, new_keyframe);
+  NavigationEstimate out = answer(frame, frame_verdict, new_keyframe);
   if (new_keyframe) take_keyframe(frame);
   out.stage_ms = {0, flow_ms, watch.lap_ms(), 0};
   return out;
 }
 
 NavigationEstimate WindowNavigator::initialize(const Frame& frame) {
-  last_ = last_measured_ = frame.stamp;
-  last_sample_.specific_force_m_s2 =
-      window_.state().world_from_imu.rotation.conjugate() * -gravity_in_world();
+  previous_ = last_ = last_measured_ = imu_known_until_ = frame.stamp;
   window_.add_frame(frame.stamp, {}, {});
   take_keyframe(frame);
-  return answer(frame, Verdict::first_frame, {}, true);
+  return answer(frame, Verdict::first_frame, true);
 }
 
 void WindowNavigator::take_keyframe(const Frame& frame) {
@@ -106,19 +106,6 @@ void WindowNavigator::take_keyframe(const Frame& frame) {
   world_from_keyframe_ = window_.state().world_from_imu.rotation * body_from_camera_.rotation;
 }
 
-// An interval without any reading is a gap, with the last one.
-std::vector<ImuSample> WindowNavigator::samples_until(Timestamp stamp,
-                                                      const SensorReadings& readings) {
-  std::vector<ImuSample> samples = imu_samples(readings.inertial, last_, stamp);
-  if (samples.empty()) {
-    samples.push_back(last_sample_);
-    samples.back().dt_s = seconds_between(last_, stamp);
-    samples.back().is_gap = true;
-  }
-  last_sample_ = samples.back();
-  return samples;
-}
-
 // Velocity sigma: angular rate of the images times the depth of the scene. A standstill is detected
 // some time after it began.
 std::optional<CameraRest> WindowNavigator::rest(const Frame& frame,
@@ -126,7 +113,7 @@ std::optional<CameraRest> WindowNavigator::rest(const Frame& frame,
   if (!interval.standstill) return std::nullopt;
   return CameraRest{.since = {frame.stamp.ns - from_seconds(StandstillDetector::kMinRest_s).ns},
                     .velocity_sigma_m_s = interval.standstill->rate_rad_s *
-                                          window_.median_depth_m().value_or(rest_depth_m_)};
+                                          median_depth_m(window_.window()).value_or(rest_depth_m_)};
 }
 
 // Before the initialization velocity and scale are not observable.
@@ -137,7 +124,7 @@ Verdict WindowNavigator::verdict(const FrameInterval& interval) const {
     return window_.is_restarted() ? Verdict::lost : Verdict::ill_conditioned;
   }
   if (interval.standstill) return Verdict::still;
-  return window_.inlier_points() >= kMinPoints ? Verdict::ok : Verdict::too_few_inliers;
+  return window_.points().inliers >= kMinPoints ? Verdict::ok : Verdict::too_few_inliers;
 }
 
 void WindowNavigator::restart_if_lost(Timestamp stamp) {
@@ -179,7 +166,6 @@ Matrix6d WindowNavigator::pose_covariance(Timestamp stamp) const {
 }
 
 NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_verdict,
-                                           const std::vector<ImuSample>& samples,
                                            bool new_keyframe) const {
   using Index = InertialIndex;
   const InertialState& state = window_.state();
@@ -189,7 +175,7 @@ NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_ver
   double dt_s = 0;
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  for (const ImuSample& sample : samples) {
+  for (const ImuSample& sample : window_.samples_between(previous_, frame.stamp)) {
     dt_s += sample.dt_s;
     rate += sample.dt_s * (sample.angular_rate_rad_s - state.gyro_bias_rad_s);
     force += sample.dt_s * (sample.specific_force_m_s2 - state.accel_bias_m_s2);
@@ -210,7 +196,8 @@ NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_ver
   EstimateParts parts{
       .verdict = frame_verdict,
       .source = EstimateSource::fused,
-      .camera = {.pose = {state.world_from_imu * body_from_camera_, pose_covariance(frame.stamp)},
+      .camera = {.pose = {window_.world_from_imu() * body_from_camera_,
+                          pose_covariance(frame.stamp)},
                  .scale = window_.is_initialized() ? ScaleSource::imu : ScaleSource::none,
                  .scale_stamp = frame.stamp},
       .world_from_initial_camera = window_.world_from_first() * body_from_camera_,

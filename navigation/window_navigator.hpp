@@ -27,8 +27,6 @@ class WindowNavigator {
 
  private:
   [[nodiscard]] NavigationEstimate initialize(const Frame& frame);
-  [[nodiscard]] std::vector<ImuSample> samples_until(Timestamp stamp,
-                                                     const SensorReadings& readings);
   [[nodiscard]] std::optional<CameraRest> rest(const Frame& frame,
                                                const FrameInterval& interval) const;
   [[nodiscard]] Verdict verdict(const FrameInterval& interval) const;
@@ -37,7 +35,6 @@ class WindowNavigator {
   [[nodiscard]] Matrix6d unmeasured_covariance(Timestamp stamp) const;
   [[nodiscard]] Matrix6d pose_covariance(Timestamp stamp) const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict,
-                                          const std::vector<ImuSample>& samples,
                                           bool new_keyframe) const;
 
   RigidTransform body_from_camera_;
@@ -46,7 +43,8 @@ class WindowNavigator {
   KeyframeFeatures features_;
   SlidingWindow window_;
   Eigen::Quaterniond world_from_keyframe_;  // camera
-  ImuSample last_sample_;
+  Timestamp imu_known_until_;
+  Timestamp previous_;
   Timestamp last_;
   Timestamp last_measured_;
   Matrix6d origin_covariance_;   // pose of the window's first frame, (translation, rotation) in W

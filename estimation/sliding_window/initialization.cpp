@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "estimation/sliding_window/image_gyro_bias.hpp"
 #include "estimation/sliding_window/linear_alignment.hpp"
 #include "estimation/sliding_window/reprojection_errors.hpp"
+#include "estimation/sliding_window/rotation_alignment.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
 #include "geometry/median.hpp"
 
@@ -36,8 +36,8 @@ void reject_outlier_points(Window& window) {
   }
 }
 
-void set_states(const LinearAlignment& alignment, const Eigen::Vector3d& gyro_bias,
-                const RigidTransform& world_from_first, Window& window) {
+void set_states(const LinearAlignment& alignment, const RigidTransform& world_from_first,
+                Window& window) {
   const Eigen::Quaterniond& prior = world_from_first.rotation;
   const Eigen::Quaterniond rotation =
       rotation_between(prior * -alignment.gravity, Eigen::Vector3d::UnitZ()) * prior;
@@ -45,12 +45,9 @@ void set_states(const LinearAlignment& alignment, const Eigen::Vector3d& gyro_bi
     WindowFrame& frame = window.frames[i];
     frame.first_estimate.reset();
     const RigidTransform& pose = alignment.first_from_imu[i];
-    frame.state = {.world_from_imu = {(rotation * pose.rotation).normalized(),
-                                      world_from_first.translation + rotation * pose.translation},
-                   .velocity_in_world_m_s = rotation * alignment.velocities[i],
-                   .gyro_bias_rad_s = gyro_bias,
-                   .accel_bias_m_s2 = Eigen::Vector3d::Zero()};
-    frame.imu.reintegrate(gyro_bias, Eigen::Vector3d::Zero());
+    frame.state.world_from_imu = {(rotation * pose.rotation).normalized(),
+                                  world_from_first.translation + rotation * pose.translation};
+    frame.state.velocity_in_world_m_s = rotation * alignment.velocities[i];
   }
   for (std::size_t i = 0; i < window.tracks.size(); ++i) {
     window.tracks[i].point.reset();
@@ -59,6 +56,34 @@ void set_states(const LinearAlignment& alignment, const Eigen::Vector3d& gyro_bi
     window.tracks[i].point =
         InverseDepthPoint{window.tracks[i].observations.front().bearing, 1 / *depth_m};
   }
+}
+
+// Zero velocity by the images; gyroscope bias and gravity by the mean readings.
+void add_rest(const InitialRest& rest, const WindowFrame& frame, int at, MarginalPrior& prior) {
+  const ImuNoise& noise = frame.imu.noise();
+  const auto diagonal = [&](int first) {
+    return prior.information.diagonal().segment<3>(at + first).array();
+  };
+  const auto gradient = [&](int first) { return prior.gradient.segment<3>(at + first); };
+  const double velocity_information = 1 / (rest.velocity_sigma_m_s * rest.velocity_sigma_m_s);
+  diagonal(InertialIndex::kVelocity) += velocity_information;
+  gradient(InertialIndex::kVelocity) -= velocity_information * frame.state.velocity_in_world_m_s;
+  const double rate_information = rest.duration_s / (noise.gyro_density * noise.gyro_density);
+  diagonal(InertialIndex::kGyroBias) += rate_information;
+  gradient(InertialIndex::kGyroBias) +=
+      rate_information * (rest.angular_rate_rad_s - frame.state.gyro_bias_rad_s);
+  const double force_information = rest.duration_s / (noise.accel_density * noise.accel_density);
+  const Eigen::Vector3d expected =
+      frame.state.world_from_imu.rotation.conjugate() * -gravity_in_world();
+  Eigen::Matrix<double, 3, InertialIndex::kSize> J =
+      Eigen::Matrix<double, 3, InertialIndex::kSize>::Zero();
+  J.middleCols<3>(InertialIndex::kRotation) = skew(expected);
+  J.middleCols<3>(InertialIndex::kAccelBias).setIdentity();
+  prior.information.block<InertialIndex::kSize, InertialIndex::kSize>(at, at) +=
+      force_information * J.transpose() * J;
+  prior.gradient.segment<InertialIndex::kSize>(at) +=
+      force_information * J.transpose() *
+      (rest.specific_force_m_s2 - expected - frame.state.accel_bias_m_s2);
 }
 
 }  // namespace
@@ -77,7 +102,8 @@ double scale_sigma_ratio(const Window& window) {
   return std::sqrt(direction.dot(*covariance * direction)) / squared;
 }
 
-void set_initial_prior(Window& window, const InertialPriors& priors) {
+void set_initial_prior(Window& window, const InertialPriors& priors,
+                       const std::optional<InitialRest>& rest) {
   constexpr double kPosition_m = 1e-3;
   constexpr double kYaw_rad = 1e-4;
   const auto information = [](double sigma) { return 1 / (sigma * sigma); };
@@ -90,6 +116,9 @@ void set_initial_prior(Window& window, const InertialPriors& priors) {
       .setConstant(information(priors.camera_rotation_rad));
   diagonal.segment<3>(ExtrinsicsIndex::kLeverArm).setConstant(information(priors.lever_arm_m));
   diagonal[ExtrinsicsIndex::kTimeOffset] = information(priors.time_offset_s);
+  prior.gradient.head<ExtrinsicsIndex::kSize>() =
+      diagonal.head<ExtrinsicsIndex::kSize>().cwiseProduct(
+          minus(window.calibrated, window.first_extrinsics));
   WindowFrame& first = window.frames.front();
   first.first_estimate = first.state;
   const int at = offsets.front();
@@ -105,48 +134,26 @@ void set_initial_prior(Window& window, const InertialPriors& priors) {
       -information(priors.gyro_bias_rad_s) * first.state.gyro_bias_rad_s;
   prior.gradient.segment<3>(at + InertialIndex::kAccelBias) =
       -information(priors.accel_bias_m_s2) * first.state.accel_bias_m_s2;
+  if (rest) add_rest(*rest, first, at, prior);
 }
 
-void RestReadings::add(const ImuSample& sample) {
-  if (sample.is_gap) return;
-  duration_s += sample.dt_s;
-  const double share = sample.dt_s / duration_s;
-  angular_rate_rad_s += share * (sample.angular_rate_rad_s - angular_rate_rad_s);
-  specific_force_m_s2 += share * (sample.specific_force_m_s2 - specific_force_m_s2);
+void InitialRest::add(const ImuReading& reading) {
+  const double dt_s = seconds_between(reading.from, reading.to);
+  duration_s += dt_s;
+  const double share = dt_s / duration_s;
+  angular_rate_rad_s += share * (reading.angular_rate_rad_s - angular_rate_rad_s);
+  specific_force_m_s2 += share * (reading.specific_force_m_s2 - specific_force_m_s2);
 }
 
-void initialize_at_rest(Window& window, const RestReadings& readings, double velocity_sigma_m_s,
-                        const InertialPriors& priors) {
-  WindowFrame& frame = window.frames.front();
-  const ImuNoise& noise = frame.imu.noise();
-  const Eigen::Quaterniond before = frame.state.world_from_imu.rotation;
+void initialize_at_rest(Window& window, const InitialRest& rest) {
+  InertialState& state = window.frames.front().state;
+  const Eigen::Quaterniond before = state.world_from_imu.rotation;
   const Eigen::Quaterniond to_vertical =
-      rotation_between(before * readings.specific_force_m_s2, Eigen::Vector3d::UnitZ());
-  frame.state.world_from_imu.rotation = (to_vertical * before).normalized();
-  frame.state.velocity_in_world_m_s.setZero();
-  frame.state.gyro_bias_rad_s = readings.angular_rate_rad_s;
-  frame.state.accel_bias_m_s2.setZero();
-  set_initial_prior(window, priors);
-  // measurements with zero residual, but for the bias prior's and the length of gravity
-  Eigen::MatrixXd& H = window.prior.information;
-  Eigen::VectorXd& g = window.prior.gradient;
-  const int at = window.offsets().front();
-  const auto diagonal = [&](int first) { return H.diagonal().segment<3>(at + first).array(); };
-  diagonal(InertialIndex::kVelocity) += 1 / (velocity_sigma_m_s * velocity_sigma_m_s);
-  diagonal(InertialIndex::kGyroBias) +=
-      readings.duration_s / (noise.gyro_density * noise.gyro_density);
-  const double force_information =
-      readings.duration_s / (noise.accel_density * noise.accel_density);
-  const Eigen::Vector3d expected =
-      frame.state.world_from_imu.rotation.conjugate() * -gravity_in_world();
-  Eigen::Matrix<double, 3, InertialIndex::kSize> J =
-      Eigen::Matrix<double, 3, InertialIndex::kSize>::Zero();
-  J.middleCols<3>(InertialIndex::kRotation) = skew(expected);
-  J.middleCols<3>(InertialIndex::kAccelBias).setIdentity();
-  H.block<InertialIndex::kSize, InertialIndex::kSize>(at, at) +=
-      force_information * J.transpose() * J;
-  g.segment<InertialIndex::kSize>(at) +=
-      force_information * J.transpose() * (readings.specific_force_m_s2 - expected);
+      rotation_between(before * rest.specific_force_m_s2, Eigen::Vector3d::UnitZ());
+  state.world_from_imu.rotation = (to_vertical * before).normalized();
+  state.velocity_in_world_m_s.setZero();
+  state.gyro_bias_rad_s = rest.angular_rate_rad_s;
+  state.accel_bias_m_s2.setZero();
 }
 
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
@@ -158,20 +165,17 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   constexpr double kMaxDecrement = 0.5;     // one standard deviation from the minimum
   constexpr double kMaxBiasSigmas2 = 11.3;  // 99 %, three degrees of freedom
   constexpr std::size_t kMinPoints = 12;
-  const auto bias = gyro_bias_from_images(window, priors.gyro_bias_rad_s);
-  if (!bias) return {};
-  const auto alignment = align_linearly(window, *bias);
+  if (!align_rotations(window, priors)) return {};
+  const auto alignment = align_linearly(window);
   if (!alignment) return {};
-  set_states(*alignment, *bias, world_from_first, window);
+  set_states(*alignment, world_from_first, window);
   if (whole_window(window).tracks.size() < kMinPoints) return {};
   WindowFit fit;
   for (int round = 0; round < kRounds; ++round) {
+    linearize_at_present_extrinsics(window);
     reject_outlier_points(window);
     set_initial_prior(window, priors);
     fit = optimize(window, kIterations);
-    for (WindowFrame& frame : window.frames) {
-      frame.imu.reintegrate(frame.state.gyro_bias_rad_s, frame.state.accel_bias_m_s2);
-    }
   }
   set_initial_prior(window, priors);
   Initialization out;

@@ -2,23 +2,16 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 
+#include "estimation/sliding_window/inertial_priors.hpp"
 #include "estimation/sliding_window/window.hpp"
 
-// Initialization of a window without height or attitude. In motion: gyroscope bias from image
-// rotations, then gravity, velocity and depths by linear least squares, then all variables. At
-// rest: by the mean readings of the IMU.
+// Initialization of a window without height or attitude. In motion: gyroscope bias and clock offset
+// from image rotations, then gravity, velocity and depths by linear least squares, then all
+// variables. At rest: by the mean readings of the IMU.
 
 namespace stillkite {
-
-/// Standard deviations of the variables before any measurement.
-struct InertialPriors {
-  double gyro_bias_rad_s = 0.1;
-  double accel_bias_m_s2 = 0.2;
-  double camera_rotation_rad = 0.005;
-  double lever_arm_m = 0.005;
-  double time_offset_s = 0.002;
-};
 
 /// Outcome of an attempt.
 struct Initialization {
@@ -38,22 +31,23 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
 /// window is not observable.
 [[nodiscard]] double scale_sigma_ratio(const Window& window);
 
-/// Mean readings of an IMU at rest.
-struct RestReadings {
+/// Rest of the first frame: mean readings of the IMU since it began.
+struct InitialRest {
   double duration_s = 0;
   Eigen::Vector3d angular_rate_rad_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d specific_force_m_s2 = Eigen::Vector3d::Zero();
+  double velocity_sigma_m_s = 0;  ///< by the images, per axis
 
-  void add(const ImuSample& sample);
+  void add(const ImuReading& reading);
 };
 
-/// Sets state and prior of a window of one frame at rest: zero velocity, gyroscope bias, roll and
-/// pitch by the mean readings; yaw and position are kept.
-void initialize_at_rest(Window& window, const RestReadings& readings, double velocity_sigma_m_s,
-                        const InertialPriors& priors);
+/// Sets the state of a window's only frame: zero velocity, gyroscope bias, roll and pitch by the
+/// mean readings; yaw and position are kept.
+void initialize_at_rest(Window& window, const InitialRest& rest);
 
-/// Prior of a first frame whose position and yaw define the world; its biases are zero within the
-/// priors.
-void set_initial_prior(Window& window, const InertialPriors& priors);
+/// Prior of a first frame whose position and yaw define the world; its biases are zero and the
+/// extrinsics calibrated, within the priors. `rest`: what the readings of a rest say in addition.
+void set_initial_prior(Window& window, const InertialPriors& priors,
+                       const std::optional<InitialRest>& rest = {});
 
 }  // namespace stillkite

@@ -17,12 +17,12 @@ struct Integrated {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
 
-std::vector<Integrated> integrate(const Window& window, const Eigen::Vector3d& gyro_bias) {
+std::vector<Integrated> integrate(const Window& window) {
   std::vector<Integrated> out(1);
   for (std::size_t i = 1; i < window.frames.size(); ++i) {
-    ImuPreintegration imu = window.frames[i].imu;
-    imu.reintegrate(gyro_bias, Eigen::Vector3d::Zero());
-    const auto motion = imu.motion(gyro_bias, Eigen::Vector3d::Zero());
+    const ImuPreintegration& imu = window.frames[i].imu;
+    const InertialState& state = window.frames[i].state;
+    const auto motion = imu.motion(state.gyro_bias_rad_s, state.accel_bias_m_s2);
     const Integrated& from = out.back();
     const double dt = imu.duration_s();
     out.push_back({from.t_s + dt, (from.rotation * motion.rotation).normalized(),
@@ -119,10 +119,9 @@ std::optional<Vector6d> solve_on_sphere(const Matrix66& H, const Vector6d& g) {
 
 }  // namespace
 
-std::optional<LinearAlignment> align_linearly(const Window& window,
-                                              const Eigen::Vector3d& gyro_bias) {
+std::optional<LinearAlignment> align_linearly(const Window& window) {
   constexpr int kIterations = 4;  // with the weights of the depths before
-  const std::vector<Integrated> frames = integrate(window, gyro_bias);
+  const std::vector<Integrated> frames = integrate(window);
   LinearAlignment out;
   out.depths_m.resize(window.tracks.size());
   Vector6d solution = Vector6d::Zero();

@@ -17,7 +17,6 @@ struct LinearAlignment {
   std::vector<Eigen::Vector3d> velocities;      ///< of each frame
   std::vector<std::optional<double>> depths_m;  ///< of each track in its first keyframe
 };
-[[nodiscard]] std::optional<LinearAlignment> align_linearly(const Window& window,
-                                                            const Eigen::Vector3d& gyro_bias);
+[[nodiscard]] std::optional<LinearAlignment> align_linearly(const Window& window);
 
 }  // namespace stillkite

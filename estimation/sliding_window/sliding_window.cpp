@@ -1,17 +1,13 @@
 #include "estimation/sliding_window/sliding_window.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "estimation/sliding_window/frame_selection.hpp"
 #include "estimation/sliding_window/marginalization.hpp"
-#include "estimation/sliding_window/reprojection_errors.hpp"
-#include "estimation/sliding_window/triangulation.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
-#include "geometry/median.hpp"
+#include "estimation/sliding_window/window_tracks.hpp"
 
 namespace stillkite {
 namespace {
@@ -24,7 +20,6 @@ constexpr std::size_t kBatchFrames = 15;
 constexpr double kMinChainInterval_s = 0.045;
 constexpr double kMinInitialization_s = 0.4;
 constexpr int kMaxIterations = 4;
-constexpr double kMaxSquaredError = 16;  // four sigma in two dimensions
 
 }  // namespace
 
@@ -32,7 +27,10 @@ SlidingWindow::SlidingWindow(const CameraExtrinsics& extrinsics,
                              const RigidTransform& world_from_imu, const ImuNoise& noise,
                              const InertialPriors& priors)
     : noise_(noise), priors_(priors), world_from_first_(world_from_imu) {
-  window_.extrinsics = window_.first_extrinsics = extrinsics;
+  window_.calibrated = window_.extrinsics = window_.first_extrinsics = extrinsics;
+  ImuReading at_rest;
+  at_rest.specific_force_m_s2 = world_from_imu.rotation.conjugate() * -gravity_in_world();
+  window_.imu = ImuTimeline(at_rest);
   WindowFrame first;
   first.imu = ImuPreintegration(noise_);
   first.state.world_from_imu = world_from_imu;
@@ -47,24 +45,22 @@ void SlidingWindow::begin_with(WindowFrame first) {
   append_frame(window_, std::move(first));
 }
 
-void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuSample> samples,
+void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuReading> readings,
                               std::span<const FeatureObservation> features,
                               const std::optional<CameraRest>& rest) {
+  add_readings(readings);
   if (next_frame_id_ == 0) {
     window_.frames.back().id = next_frame_id_++;
     window_.frames.back().stamp = stamp;
     return;
   }
-  const bool has_readings = std::any_of(samples.begin(), samples.end(),
-                                        [](const ImuSample& sample) { return !sample.is_gap; });
-  if (rest && has_readings && (!is_initialized_ || is_at_rest_)) {
-    stay_at_rest(stamp, samples, features, *rest);
+  if (rest && !readings.empty() && (!is_initialized_ || is_at_rest_)) {
+    stay_at_rest(stamp, readings, features, *rest);
     return;
   }
   is_at_rest_ = false;
-  rest_ = {};
   // 1. Predict by the IMU, and merge a frame that is too close to its neighbours.
-  predict(stamp, samples);
+  predict(stamp);
   if (rest) window_.frames.back().rest_sigma_m_s = rest->velocity_sigma_m_s;
   bool is_thinned = true;
   if (is_initialized_ && !is_batch_) {
@@ -73,13 +69,13 @@ void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuSample> sample
     is_thinned = thin_batch();
   }
   // 2. Features of known tracks.
-  add_observations(features);
+  add_observations(window_, features);
   // 3. Estimate all states.
   if (!is_initialized_) {
     if (!is_thinned) remove_oldest();
     try_initialization();
   } else {
-    triangulate_tracks();
+    triangulate_tracks(window_);
     if (is_batch_) {
       estimate_batch(!is_thinned);
     } else {
@@ -87,40 +83,53 @@ void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuSample> sample
       slide();
     }
   }
-  remove_empty_tracks();
+  remove_empty_tracks(window_);
+  forget_readings();
 }
 
 void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features) {
-  WindowFrame& newest = window_.frames.back();
-  newest.is_keyframe = true;
-  for (const FeatureObservation& feature : features) {
-    if (!window_.tracks.empty() && feature.track_id <= window_.tracks.back().id) continue;
-    window_.tracks.push_back({.id = feature.track_id,
-                              .observations = {{.frame_id = newest.id,
-                                                .bearing = feature.bearing,
-                                                .information = feature.covariance.inverse()}},
-                              .point = std::nullopt});
-  }
+  window_.frames.back().is_keyframe = true;
+  begin_tracks(window_, features);
   if (is_initialized_ && !is_batch_) limit_keyframes();
-  remove_empty_tracks();
+  remove_empty_tracks(window_);
 }
 
-void SlidingWindow::predict(Timestamp stamp, std::span<const ImuSample> samples) {
+// Late readings replace the gap at the end of the newest frames' intervals.
+void SlidingWindow::add_readings(std::span<const ImuReading> readings) {
+  const Timestamp known_until = window_.imu.end();
+  window_.imu.add(readings);
+  for (std::size_t i = window_.frames.size(); --i > 0;) {
+    const WindowFrame& frame = window_.frames[i];
+    if (window_.imu_time(frame.stamp) <= known_until || frame.imu.samples().empty()) break;
+    integrate_imu(window_, i);
+  }
+}
+
+// As long as intervals may be integrated again.
+void SlidingWindow::forget_readings() {
+  constexpr double kMargin_s = 0.3;  // a change of the clock offset
+  const std::size_t newest = window_.frames.size() - 1;
+  const std::size_t first = is_initialized_ && !is_batch_ && newest > 0 ? newest - 1 : 0;
+  const Timestamp begin = window_.imu_time(window_.frames[first].stamp);
+  window_.imu.forget_before({begin.ns - from_seconds(kMargin_s).ns});
+}
+
+void SlidingWindow::predict(Timestamp stamp) {
   const InertialState last = window_.frames.back().state;
   WindowFrame frame;
   frame.id = next_frame_id_++;
   frame.stamp = stamp;
   frame.imu = ImuPreintegration(noise_);
-  frame.imu.reintegrate(last.gyro_bias_rad_s, last.accel_bias_m_s2);
-  for (const ImuSample& sample : samples) frame.imu.add(sample);
-  if (!samples.empty()) frame.gyro_rad_s = samples.back().angular_rate_rad_s;
-  frame.state = frame.imu.predict(last);
-  if (!is_initialized_) {
-    // velocity and gravity are not known yet
-    frame.state.world_from_imu.translation = last.world_from_imu.translation;
-    frame.state.velocity_in_world_m_s.setZero();
-  }
+  frame.state = last;
   append_frame(window_, std::move(frame));
+  const std::size_t newest = window_.frames.size() - 1;
+  integrate_imu(window_, newest);
+  InertialState& state = window_.frames[newest].state;
+  state = window_.frames[newest].imu.predict(last);
+  if (is_initialized_) return;
+  // velocity and gravity are not known yet
+  state.world_from_imu.translation = last.world_from_imu.translation;
+  state.velocity_in_world_m_s.setZero();
 }
 
 // The last frame but one is merged if it follows the one before too closely.
@@ -145,34 +154,7 @@ bool SlidingWindow::thin_batch() {
 
 void SlidingWindow::remove_oldest() {
   remove_first_frame(window_);
-  restart_tracks();
-}
-
-// Tracks begin in a keyframe.
-void SlidingWindow::restart_tracks() {
-  const auto is_keyframe = [&](const WindowObservation& observation) {
-    const auto at = window_.find(observation.frame_id);
-    return at && window_.frames[*at].is_keyframe;
-  };
-  for (WindowTrack& track : window_.tracks) {
-    const auto first =
-        std::find_if(track.observations.begin(), track.observations.end(), is_keyframe);
-    if (first != track.observations.begin()) track.point.reset();
-    track.observations.erase(track.observations.begin(), first);
-  }
-}
-
-void SlidingWindow::add_observations(std::span<const FeatureObservation> features) {
-  const WindowFrame& newest = window_.frames.back();
-  for (const FeatureObservation& feature : features) {
-    const auto track =
-        std::lower_bound(window_.tracks.begin(), window_.tracks.end(), feature.track_id,
-                         [](const WindowTrack& t, std::int64_t id) { return t.id < id; });
-    if (track == window_.tracks.end() || track->id != feature.track_id) continue;
-    track->observations.push_back({.frame_id = newest.id,
-                                   .bearing = feature.bearing,
-                                   .information = feature.covariance.inverse()});
-  }
+  restart_tracks(window_);
 }
 
 void SlidingWindow::try_initialization() {
@@ -191,24 +173,25 @@ void SlidingWindow::try_initialization() {
 // All frames since the initialization, linearized anew with every frame, until the scale is known
 // well enough for first-estimate Jacobians, or the batch is full.
 void SlidingWindow::estimate_batch(bool is_full) {
-  constexpr double kSettledScale_ratio = 0.02;
-  for (WindowFrame& frame : window_.frames) {
-    frame.imu.reintegrate(frame.state.gyro_bias_rad_s, frame.state.accel_bias_m_s2);
-  }
-  set_initial_prior(window_, priors_);
+  constexpr double kSettledScale_ratio = 0.005;
+  linearize_at_present_extrinsics(window_);
+  set_initial_prior(window_, priors_, rest_);
   estimate();
   is_batch_ = !is_full && scale_sigma_ratio(window_) > kSettledScale_ratio;
   if (is_batch_) return;
-  set_initial_prior(window_, priors_);
+  set_initial_prior(window_, priors_, rest_);
+  rest_.reset();
   slide();
   limit_keyframes();
 }
 
 // One frame, with its features, as long as the camera rests.
-void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuSample> samples,
+void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuReading> readings,
                                  std::span<const FeatureObservation> features,
                                  const CameraRest& rest) {
-  for (const ImuSample& sample : samples) rest_.add(sample);
+  if (!is_at_rest_) rest_.emplace();
+  for (const ImuReading& reading : readings) rest_->add(reading);
+  rest_->velocity_sigma_m_s = rest.velocity_sigma_m_s;
   WindowFrame frame;
   frame.id = next_frame_id_++;
   frame.stamp = stamp;
@@ -220,11 +203,12 @@ void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuSample> sam
   frame.state = at_rest == window_.frames.end() ? window_.frames.back().state : at_rest->state;
   const Eigen::Quaterniond before = frame.state.world_from_imu.rotation;
   begin_with(std::move(frame));
-  initialize_at_rest(window_, rest_, rest.velocity_sigma_m_s, priors_);
+  initialize_at_rest(window_, *rest_);
+  set_initial_prior(window_, priors_, rest_);
   align_first_pose(before, state().world_from_imu.rotation);
   take_keyframe(features);
-  is_initialized_ = is_at_rest_ = true;
-  measured_points_ = inlier_points_ = 0;
+  is_initialized_ = is_at_rest_ = is_batch_ = true;
+  points_ = {};
   update_covariance();
 }
 
@@ -253,9 +237,9 @@ void SlidingWindow::restart() {
   window_.first_extrinsics = window_.extrinsics;
   begin_with(std::move(first));
   is_initialized_ = is_batch_ = is_at_rest_ = false;
-  rest_ = {};
+  rest_.reset();
   initialization_ = {};
-  measured_points_ = inlier_points_ = 0;
+  points_ = {};
 }
 
 void SlidingWindow::estimate() {
@@ -266,38 +250,7 @@ void SlidingWindow::estimate() {
   } else {
     update_covariance();
   }
-  reject_outliers();
-}
-
-void SlidingWindow::triangulate_tracks() {
-  for (WindowTrack& track : window_.tracks) {
-    if (!track.point) track.point = triangulate(window_, track);
-  }
-}
-
-// Removes observations that do not fit, and points whose depth became negative.
-void SlidingWindow::reject_outliers() {
-  const std::int64_t newest = window_.frames.back().id;
-  measured_points_ = inlier_points_ = 0;
-  ReprojectionErrors errors(window_);
-  for (WindowTrack& track : window_.tracks) {
-    if (!track.point) continue;
-    const auto is_outlier = [&](const WindowObservation& observation) {
-      return &observation != track.observations.data() &&
-             errors.squared(track, observation) > kMaxSquaredError;
-    };
-    const bool is_measured = track.in(newest) != nullptr;
-    measured_points_ += is_measured;
-    std::vector<WindowObservation> kept;
-    kept.reserve(track.observations.size());
-    for (const WindowObservation& observation : track.observations) {
-      if (!is_outlier(observation)) kept.push_back(observation);
-    }
-    track.observations = std::move(kept);
-    inlier_points_ += track.in(newest) != nullptr;
-    constexpr double kMinInverseDepth_1_m = 1e-6;
-    if (track.point->inverse_depth < kMinInverseDepth_1_m) track.point.reset();
-  }
+  points_ = reject_outliers(window_);
 }
 
 // Frames that leave the chain: a keyframe's velocity and biases, or the whole frame.
@@ -323,26 +276,8 @@ void SlidingWindow::limit_keyframes() {
   };
   while (poses() > kKeyframes) {
     marginalize_frame(window_, redundant_keyframe(window_));
-    restart_tracks();
+    restart_tracks(window_);
   }
-}
-
-std::optional<double> SlidingWindow::median_depth_m() const {
-  std::vector<double> depths_m;
-  for (const WindowTrack& track : window_.tracks) {
-    if (track.point) depths_m.push_back(1 / track.point->inverse_depth);
-  }
-  if (depths_m.empty()) return std::nullopt;
-  return upper_median(depths_m);
-}
-
-void SlidingWindow::remove_empty_tracks() {
-  const std::int64_t newest = window_.frames.back().id;
-  std::erase_if(window_.tracks, [&](const WindowTrack& track) {
-    if (track.observations.empty()) return true;
-    // neither a point nor seen any more
-    return !track.point && track.observations.back().frame_id != newest;
-  });
 }
 
 }  // namespace stillkite

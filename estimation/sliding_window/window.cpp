@@ -45,6 +45,10 @@ std::optional<std::size_t> Window::find(std::int64_t frame_id) const {
   return static_cast<std::size_t>(at - frames.begin());
 }
 
+Timestamp Window::imu_time(Timestamp image) const {
+  return {image.ns + from_seconds(first_extrinsics.time_offset_s).ns};
+}
+
 void append_frame(Window& window, WindowFrame frame) {
   window.frames.push_back(std::move(frame));
   const Eigen::Index size = window.offsets().back();
@@ -55,6 +59,26 @@ void append_frame(Window& window, WindowFrame frame) {
   prior.information.rightCols(size - before).setZero();
   prior.information.bottomRows(size - before).setZero();
   prior.gradient.tail(size - before).setZero();
+}
+
+void integrate_imu(Window& window, std::size_t frame) {
+  WindowFrame& at = window.frames[frame];
+  const Timestamp from = window.imu_time(window.frames[frame - 1].stamp);
+  const Timestamp to = window.imu_time(at.stamp);
+  ImuPreintegration imu(at.imu.noise());
+  imu.reintegrate(at.state.gyro_bias_rad_s, at.state.accel_bias_m_s2);
+  for (const ImuSample& sample : window.imu.between(from, to)) imu.add(sample);
+  at.imu = std::move(imu);
+  at.gyro_rad_s = window.imu.at(to).angular_rate_rad_s;
+}
+
+void linearize_at_present_extrinsics(Window& window) {
+  const double shift_s = window.image_shift_s();
+  for (WindowFrame& frame : window.frames) {
+    frame.state.world_from_imu = frame.world_from_imu_after(shift_s, false);
+  }
+  window.first_extrinsics = window.extrinsics;
+  for (std::size_t i = 1; i < window.frames.size(); ++i) integrate_imu(window, i);
 }
 
 }  // namespace stillkite

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/sliding_window/imu_preintegration.hpp"
+#include "estimation/sliding_window/imu_timeline.hpp"
 #include "estimation/sliding_window/reprojection_factor.hpp"
 #include "geometry/time.hpp"
 
@@ -69,12 +69,17 @@ struct MarginalPrior {
 /// Variables, measurements and prior of a fixed-lag smoother (Leutenegger et al. 2015; Usenko et
 /// al. 2020). Order of the variables: extrinsics, then frames by time.
 struct Window {
-  CameraExtrinsics extrinsics;
-  CameraExtrinsics first_extrinsics;  ///< linearization point
+  CameraExtrinsics calibrated;
+  CameraExtrinsics extrinsics;  ///< estimate
+  CameraExtrinsics
+      first_extrinsics;  ///< linearization point; its clock offset sets the states' times
+  ImuTimeline imu;
   std::vector<WindowFrame> frames;
   std::vector<WindowTrack> tracks;  ///< by ascending number
   MarginalPrior prior;
 
+  /// Time of a frame's state in the IMU's clock.
+  [[nodiscard]] Timestamp imu_time(Timestamp image) const;
   /// Time of the images after their states, by which the clock's offset differs from its first
   /// estimate.
   [[nodiscard]] double image_shift_s() const {
@@ -88,5 +93,12 @@ struct Window {
 
 /// Appends a frame; the prior does not depend on it.
 void append_frame(Window& window, WindowFrame frame);
+
+/// Takes the IMU readings between the previous frame and this one again.
+void integrate_imu(Window& window, std::size_t frame);
+
+/// Makes the present extrinsics the linearization point, with the states at the times of the
+/// images. All frames have a motion, and the prior does not depend on them.
+void linearize_at_present_extrinsics(Window& window);
 
 }  // namespace stillkite

@@ -63,6 +63,20 @@ std::vector<ImuSample> HandHeldMotion::samples(double from_s, double to_s, const
   return samples;
 }
 
+std::vector<ImuReading> HandHeldMotion::readings(double from_s, double to_s, const ImuNoise& noise,
+                                                 std::mt19937& random) const {
+  std::vector<ImuReading> readings;
+  double at_s = from_s;
+  for (const ImuSample& sample : samples(from_s, to_s, noise, random)) {
+    readings.push_back({.from = from_seconds(at_s),
+                        .to = from_seconds(at_s + sample.dt_s),
+                        .angular_rate_rad_s = sample.angular_rate_rad_s,
+                        .specific_force_m_s2 = sample.specific_force_m_s2});
+    at_s += sample.dt_s;
+  }
+  return readings;
+}
+
 std::vector<Eigen::Vector3d> points_in_view(const HandHeldMotion& motion, int count,
                                             std::mt19937& random) {
   std::uniform_real_distribution<double> across(-0.8, 0.8);

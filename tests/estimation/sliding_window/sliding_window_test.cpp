@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <random>
@@ -27,14 +28,17 @@ struct WindowRun {
     window.emplace(motion.extrinsics, first, kImu, InertialPriors{});
   }
 
-  void step() { advance(observe(motion, kFrame_s * frame, points, kBearingSigma, random)); }
+  void step() {
+    advance(observe(motion, kFrame_s * frame + time_offset_s, points, kBearingSigma, random));
+  }
   void step_in_the_dark() { advance({}); }
 
   void advance(const std::vector<FeatureObservation>& features) {
     const double t_s = kFrame_s * frame;
-    const auto samples =
-        frame == 0 ? std::vector<ImuSample>() : motion.samples(t_s - kFrame_s, t_s, kImu, random);
-    window->add_frame(from_seconds(t_s), samples, features);
+    const double until_s = t_s + std::max(0.0, time_offset_s);
+    const auto readings = motion.readings(imu_s, until_s, kImu, random);
+    imu_s = until_s;
+    window->add_frame(from_seconds(t_s), readings, features);
     if (frame % 5 == 0 && !features.empty()) window->take_keyframe(features);
     ++frame;
   }
@@ -59,6 +63,8 @@ struct WindowRun {
   std::mt19937 random;
   std::vector<Eigen::Vector3d> points;
   std::optional<SlidingWindow> window;
+  double time_offset_s = 0;
+  double imu_s = 0;  // end of the readings
   int frame = 0;
 };
 
@@ -124,11 +130,11 @@ TEST(SlidingWindow, InitializesAtRestByTheImu) {
   for (int frame = 0; frame < 20; ++frame) {
     const double t_s = kFrame_s * frame;
     const auto features = observe(motion, t_s, points, kBearingSigma, random);
-    const auto samples =
-        frame == 0 ? std::vector<ImuSample>() : motion.samples(t_s - kFrame_s, t_s, kImu, random);
+    const auto readings =
+        frame == 0 ? std::vector<ImuReading>() : motion.readings(t_s - kFrame_s, t_s, kImu, random);
     const std::optional<CameraRest> rest =
         frame < 10 ? std::nullopt : std::optional(CameraRest{from_seconds(0), 0.001});
-    window.add_frame(from_seconds(t_s), samples, features, rest);
+    window.add_frame(from_seconds(t_s), readings, features, rest);
     if (frame == 0) window.take_keyframe(features);
   }
   ASSERT_TRUE(window.is_initialized());
@@ -152,15 +158,43 @@ TEST(SlidingWindow, PredictsByTheImuWithoutFeatures) {
   WindowRun run(2);
   while (run.frame < 100) run.step();
   const RigidTransform truth_from_world = run.truth_from_world();
-  const double sigma_before_m = std::sqrt(run.window->covariance()(3, 3));
+  const auto sigma = [&](int group) {
+    return std::sqrt(run.window->covariance().block<3, 3>(group, group).trace());
+  };
+  const double velocity_sigma_m_s = sigma(InertialIndex::kVelocity);
   for (int i = 0; i < 20; ++i) run.step_in_the_dark();
   const InertialState state = run.aligned_state(truth_from_world);
   const double error_m =
       (state.world_from_imu.translation - run.truth().world_from_imu.translation).norm();
-  const double sigma_m = std::sqrt(run.window->covariance().block<3, 3>(3, 3).trace());
-  EXPECT_GT(sigma_m, 2 * sigma_before_m);
-  EXPECT_LT(error_m, 4 * sigma_m);
+  EXPECT_GT(sigma(InertialIndex::kVelocity), 1.5 * velocity_sigma_m_s);
+  EXPECT_LT(error_m, 4 * sigma(InertialIndex::kPosition));
 }
+
+struct Mounting {
+  double time_offset_s;
+  double lever_arm_m;
+};
+
+class WrongMounting : public testing::TestWithParam<Mounting> {};
+
+// Clock and lever arm that differ from the calibration, with the sigmas of InertialPriors.
+TEST_P(WrongMounting, IsEstimated) {
+  WindowRun run(6);
+  run.time_offset_s = GetParam().time_offset_s;
+  run.motion.extrinsics.imu_from_camera.translation.y() += GetParam().lever_arm_m;
+  while (run.frame < 200) run.step();
+  const CameraExtrinsics& estimate = run.window->extrinsics();
+  EXPECT_NEAR(estimate.time_offset_s, GetParam().time_offset_s, 0.003);
+  const Eigen::Vector3d lever_arm_m = run.motion.extrinsics.imu_from_camera.translation;
+  EXPECT_LT((estimate.imu_from_camera.translation - lever_arm_m).norm(), 0.06);
+  const double clock_s = run.window->window().first_extrinsics.time_offset_s;
+  const InertialState truth = run.motion.state(kFrame_s * (run.frame - 1) + clock_s);
+  EXPECT_NEAR(run.window->state().velocity_in_world_m_s.norm(), truth.velocity_in_world_m_s.norm(),
+              0.03);
+}
+INSTANTIATE_TEST_SUITE_P(Each, WrongMounting,
+                         testing::Values(Mounting{-0.06, 0}, Mounting{0.02, 0}, Mounting{0.06, 0},
+                                         Mounting{0, 0.1}));
 
 }  // namespace
 }  // namespace stillkite

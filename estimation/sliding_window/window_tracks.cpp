@@ -1,0 +1,105 @@
+#include "estimation/sliding_window/window_tracks.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "estimation/sliding_window/reprojection_errors.hpp"
+#include "estimation/sliding_window/triangulation.hpp"
+#include "geometry/median.hpp"
+
+namespace stillkite {
+namespace {
+
+WindowObservation observation_of(const FeatureObservation& feature, std::int64_t frame_id) {
+  return {.frame_id = frame_id,
+          .bearing = feature.bearing,
+          .information = feature.covariance.inverse()};
+}
+
+}  // namespace
+
+void add_observations(Window& window, std::span<const FeatureObservation> features) {
+  const std::int64_t newest = window.frames.back().id;
+  for (const FeatureObservation& feature : features) {
+    const auto track =
+        std::lower_bound(window.tracks.begin(), window.tracks.end(), feature.track_id,
+                         [](const WindowTrack& t, std::int64_t id) { return t.id < id; });
+    if (track == window.tracks.end() || track->id != feature.track_id) continue;
+    track->observations.push_back(observation_of(feature, newest));
+  }
+}
+
+void begin_tracks(Window& window, std::span<const FeatureObservation> features) {
+  const std::int64_t newest = window.frames.back().id;
+  for (const FeatureObservation& feature : features) {
+    if (!window.tracks.empty() && feature.track_id <= window.tracks.back().id) continue;
+    window.tracks.push_back({.id = feature.track_id,
+                             .observations = {observation_of(feature, newest)},
+                             .point = std::nullopt});
+  }
+}
+
+void triangulate_tracks(Window& window) {
+  for (WindowTrack& track : window.tracks) {
+    if (!track.point) track.point = triangulate(window, track);
+  }
+}
+
+MeasuredPoints reject_outliers(Window& window) {
+  constexpr double kMaxSquaredError = 16;  // four sigma in two dimensions
+  constexpr double kMinInverseDepth_1_m = 1e-6;
+  const std::int64_t newest = window.frames.back().id;
+  MeasuredPoints points;
+  ReprojectionErrors errors(window);
+  for (WindowTrack& track : window.tracks) {
+    if (!track.point) continue;
+    const auto is_outlier = [&](const WindowObservation& observation) {
+      return &observation != track.observations.data() &&
+             errors.squared(track, observation) > kMaxSquaredError;
+    };
+    points.measured += track.in(newest) != nullptr;
+    std::vector<WindowObservation> kept;
+    kept.reserve(track.observations.size());
+    for (const WindowObservation& observation : track.observations) {
+      if (!is_outlier(observation)) kept.push_back(observation);
+    }
+    track.observations = std::move(kept);
+    points.inliers += track.in(newest) != nullptr;
+    if (track.point->inverse_depth < kMinInverseDepth_1_m) track.point.reset();
+  }
+  return points;
+}
+
+void restart_tracks(Window& window) {
+  const auto is_keyframe = [&](const WindowObservation& observation) {
+    const auto at = window.find(observation.frame_id);
+    return at && window.frames[*at].is_keyframe;
+  };
+  for (WindowTrack& track : window.tracks) {
+    const auto first =
+        std::find_if(track.observations.begin(), track.observations.end(), is_keyframe);
+    if (first != track.observations.begin()) track.point.reset();
+    track.observations.erase(track.observations.begin(), first);
+  }
+}
+
+void remove_empty_tracks(Window& window) {
+  const std::int64_t newest = window.frames.back().id;
+  std::erase_if(window.tracks, [&](const WindowTrack& track) {
+    if (track.observations.empty()) return true;
+    return !track.point && track.observations.back().frame_id != newest;
+  });
+}
+
+std::optional<double> median_depth_m(const Window& window) {
+  std::vector<double> depths_m;
+  for (const WindowTrack& track : window.tracks) {
+    if (track.point) depths_m.push_back(1 / track.point->inverse_depth);
+  }
+  if (depths_m.empty()) return std::nullopt;
+  return upper_median(depths_m);
+}
+
+}  // namespace stillkite
