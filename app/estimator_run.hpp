@@ -14,6 +14,7 @@
 #include "io/results/run_recorder.hpp"
 #include "io/video/frame_source.hpp"
 #include "navigation/hover_pilot.hpp"
+#include "navigation/inertial_finding.hpp"
 
 namespace stillkite {
 
@@ -52,6 +53,10 @@ class EstimatorRun {
   }
   [[nodiscard]] std::span<const float> frame_ms() const { return frame_ms_; }
   [[nodiscard]] std::optional<CommandCounts> commands() const;
+  /// Differences of IMU and mount from their calibration.
+  [[nodiscard]] std::vector<InertialFinding> inertial_findings() const {
+    return pilot_.inertial_findings();
+  }
 
  private:
   struct Files {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/inertial_messages.hpp"
 #include "app/interrupt.hpp"
 #include "app/run_evaluation.hpp"
 #include "geometry/angle.hpp"
@@ -198,6 +199,9 @@ void report_inconsistencies(const EstimatorRun& run) {
     fmt::print(stderr, "stillkite: {}: {}\n", run.config().imu.path ? "imu.path" : "gyro.path",
                *inconsistency);
     return;
+  }
+  for (const std::string& message : inertial_messages(run.inertial_findings(), run.config())) {
+    fmt::print(stderr, "stillkite: {}\n", message);
   }
   report_initial_attitude_error(run);
 }

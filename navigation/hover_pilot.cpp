@@ -3,6 +3,7 @@
 #include "flow/frame.hpp"
 #include "flow/frame_copies.hpp"
 #include "navigation/estimate_parts.hpp"
+#include "navigation/inertial_finding.hpp"
 #include "navigation/motion_conversion.hpp"
 #include "navigation/pilot_step.hpp"
 #include "navigation/station_attitude.hpp"
@@ -58,6 +59,10 @@ PilotStep HoverPilot::step(const Frame& frame, const TetheredReadings& readings)
        .tether = readings.tether,
        .station_from_camera = station_from_body * state.body_from_camera.rotation});
   return out;
+}
+
+std::vector<InertialFinding> HoverPilot::inertial_findings() const {
+  return state_->navigator.inertial_findings();
 }
 
 std::vector<WeightedFlow> HoverPilot::flow_vectors() const {

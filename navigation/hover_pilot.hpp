@@ -11,6 +11,7 @@
 
 namespace stillkite {
 
+struct InertialFinding;
 struct PilotStep;
 
 /// Sensor inputs of a tethered drone for one image.
@@ -51,6 +52,7 @@ class HoverPilot {
   PilotStep step(const Frame& frame, const TetheredReadings& readings);
 
   [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;
+  [[nodiscard]] std::vector<InertialFinding> inertial_findings() const;
 
  private:
   struct State;

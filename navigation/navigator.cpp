@@ -163,6 +163,11 @@ NavigationEstimate Navigator::step(const Frame& frame, const SensorReadings& rea
   return estimate;
 }
 
+std::vector<InertialFinding> Navigator::inertial_findings() const {
+  const auto* window = std::get_if<WindowNavigator>(&state_->method);
+  return window ? window->inertial_findings() : std::vector<InertialFinding>();
+}
+
 std::vector<WeightedFlow> Navigator::flow_vectors() const {
   return std::visit(
       [](const auto& method) -> std::vector<WeightedFlow> { return method.flow_vectors(); },

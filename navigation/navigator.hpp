@@ -15,6 +15,7 @@
 namespace stillkite {
 
 struct Frame;
+struct InertialFinding;
 struct NavigationEstimate;
 
 /// GNSS-denied visual navigation with one camera: estimates pose and velocity of the body from each
@@ -48,6 +49,9 @@ class Navigator {
   /// camera's size and its mask has the same size. The pixels are shared, a keyframe's over many
   /// frames: use a new buffer for every image.
   NavigationEstimate step(const Frame& frame, const SensorReadings& readings = {});
+
+  /// Internal: differences of IMU and mount from their calibration, by `fusion.solver: window`.
+  [[nodiscard]] std::vector<InertialFinding> inertial_findings() const;
 
   /// Flow vectors of the last image, for drawing; empty if nothing was measured.
   [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;

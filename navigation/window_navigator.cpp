@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/sliding_window/epipolar_rotation.hpp"
 #include "flow/standstill_detector.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/estimate_parts.hpp"
-#include "navigation/imu_readings.hpp"
+#include "navigation/imu_intervals.hpp"
 #include "navigation/stop_watch.hpp"
 
 namespace stillkite {
@@ -64,7 +65,7 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
       is_image_usable ? features_.track(frame) : std::vector<FeatureObservation>();
   const double flow_ms = watch.lap_ms();
   // 2. Predict by the IMU; estimate all states and points of the window.
-  const std::vector<ImuReading> imu = imu_readings(readings.inertial, imu_known_until_);
+  const std::vector<ImuInterval> imu = imu_intervals(readings.inertial, imu_known_until_);
   if (!imu.empty()) imu_known_until_ = imu.back().to;
   const std::optional<CameraRest> camera_rest = rest(frame, interval);
   const bool was_initialized = window_.is_initialized();
@@ -72,10 +73,12 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
   if (!was_initialized && window_.is_initialized()) {
     origin_covariance_ = unmeasured_covariance(camera_rest ? camera_rest->since
                                                            : window_.window().frames.front().stamp);
+    initial_position_m_ = window_.state().world_from_imu.translation;
   }
   previous_ = last_;
   last_ = frame.stamp;
   // 3. Without measurements for too long: initialize again.
+  restart_if_contradictory(frame.stamp);
   const Verdict frame_verdict = verdict(interval);
   if (is_measured(frame_verdict)) last_measured_ = frame.stamp;
   restart_if_lost(frame.stamp);
@@ -87,6 +90,7 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
       is_image_usable && (!has_tracks || features_.needs_keyframe(world_from_keyframe_.conjugate() *
                                                                   world_from_camera));
   NavigationEstimate out = answer(frame, frame_verdict, new_keyframe);
+  out.measured_rate_in_camera_rad_s = image_rate(features);
   if (new_keyframe) take_keyframe(frame);
   out.stage_ms = {0, flow_ms, watch.lap_ms(), 0};
   return out;
@@ -102,6 +106,7 @@ NavigationEstimate WindowNavigator::initialize(const Frame& frame) {
 void WindowNavigator::take_keyframe(const Frame& frame) {
   const std::vector<FeatureObservation> features = features_.take_keyframe(frame);
   if (features.empty()) return;
+  previous_features_ = features;
   window_.take_keyframe(features);
   world_from_keyframe_ = window_.state().world_from_imu.rotation * body_from_camera_.rotation;
 }
@@ -119,19 +124,41 @@ std::optional<CameraRest> WindowNavigator::rest(const Frame& frame,
 // Before the initialization velocity and scale are not observable.
 Verdict WindowNavigator::verdict(const FrameInterval& interval) const {
   constexpr int kMinPoints = 12;
+  constexpr double kMinInliers_ratio = 0.5;
   if (interval.rejection) return *interval.rejection;
   if (!window_.is_initialized()) {
     return window_.is_restarted() ? Verdict::lost : Verdict::ill_conditioned;
   }
   if (interval.standstill) return Verdict::still;
-  return window_.points().inliers >= kMinPoints ? Verdict::ok : Verdict::too_few_inliers;
+  const MeasuredPoints& points = window_.points();
+  const bool is_explained =
+      points.inliers >= kMinPoints && points.inliers >= kMinInliers_ratio * points.measured;
+  return is_explained ? Verdict::ok : Verdict::too_few_inliers;
+}
+
+// A bias that its prior excludes is no bias, but what no motion explains.
+void WindowNavigator::restart_if_contradictory(Timestamp stamp) {
+  if (!window_.is_initialized() || !contradicts_prior(window_.state(), window_.priors())) return;
+  const int group = InertialIndex::kAccelBias;
+  const Eigen::Vector3d& bias_m_s2 = window_.state().accel_bias_m_s2;
+  contradiction_ = {.fault = InertialFault::accelerometer,
+                    .value = bias_m_s2,
+                    .change = bias_m_s2,
+                    .sigma = window_.covariance().diagonal().segment<3>(group).cwiseSqrt()};
+  const double moved_m2 =
+      (window_.state().world_from_imu.translation - initial_position_m_).squaredNorm();
+  restart(stamp);
+  origin_covariance_.diagonal().head<3>().array() += moved_m2;  // its scale is unknown
 }
 
 void WindowNavigator::restart_if_lost(Timestamp stamp) {
   // without any feature there is nothing to initialize from
   if (window_.is_restarted() && window_.window().tracks.empty()) window_.restart();
   if (!window_.is_initialized()) return;
-  if (seconds_between(last_measured_, stamp) <= max_unmeasured_s_) return;
+  if (seconds_between(last_measured_, stamp) > max_unmeasured_s_) restart(stamp);
+}
+
+void WindowNavigator::restart(Timestamp stamp) {
   origin_covariance_ = pose_covariance(stamp);
   const double speed_variance =
       window_.covariance().block<3, 3>(InertialIndex::kVelocity, InertialIndex::kVelocity).trace();
@@ -163,6 +190,30 @@ Matrix6d WindowNavigator::pose_covariance(Timestamp stamp) const {
   out.block<2, 6>(3, 0).setZero();
   out.block<6, 2>(0, 3).setZero();
   return out + J * window_.covariance().topLeftCorner<6, 6>() * J.transpose();
+}
+
+// Mean angular rate since the previous image, by the images alone.
+std::optional<Eigen::Vector3d> WindowNavigator::image_rate(
+    const std::vector<FeatureObservation>& features) {
+  std::vector<BearingMatch> matches;
+  auto before = previous_features_.begin();
+  for (const FeatureObservation& feature : features) {
+    while (before != previous_features_.end() && before->track_id < feature.track_id) ++before;
+    if (before == previous_features_.end()) break;
+    if (before->track_id != feature.track_id) continue;
+    matches.push_back({before->bearing.homogeneous(), feature.bearing.homogeneous(),
+                       0.25 * (before->covariance.trace() + feature.covariance.trace())});
+  }
+  previous_features_ = features;
+  const auto rotation = epipolar_rotation(matches, Eigen::Quaterniond::Identity());
+  if (!rotation) return std::nullopt;
+  return so3_log(*rotation) / seconds_between(previous_, last_);
+}
+
+std::vector<InertialFinding> WindowNavigator::inertial_findings() const {
+  std::vector<InertialFinding> findings = stillkite::inertial_findings(window_);
+  if (contradiction_) findings.push_back(*contradiction_);
+  return findings;
 }
 
 NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_verdict,

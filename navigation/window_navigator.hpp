@@ -5,6 +5,7 @@
 
 #include "estimation/sliding_window/sliding_window.hpp"
 #include "navigation/frame_interval.hpp"
+#include "navigation/inertial_findings.hpp"
 #include "navigation/keyframe_features.hpp"
 #include "navigation/navigation_estimate.hpp"
 #include "navigation/navigator_config.hpp"
@@ -24,13 +25,19 @@ class WindowNavigator {
                           const SensorReadings& readings);
 
   [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const { return features_.flow_vectors(); }
+  /// Differences of IMU and mount from their calibration.
+  [[nodiscard]] std::vector<InertialFinding> inertial_findings() const;
 
  private:
   [[nodiscard]] NavigationEstimate initialize(const Frame& frame);
   [[nodiscard]] std::optional<CameraRest> rest(const Frame& frame,
                                                const FrameInterval& interval) const;
   [[nodiscard]] Verdict verdict(const FrameInterval& interval) const;
+  void restart_if_contradictory(Timestamp stamp);
   void restart_if_lost(Timestamp stamp);
+  void restart(Timestamp stamp);
+  [[nodiscard]] std::optional<Eigen::Vector3d> image_rate(
+      const std::vector<FeatureObservation>& features);
   void take_keyframe(const Frame& frame);
   [[nodiscard]] Matrix6d unmeasured_covariance(Timestamp stamp) const;
   [[nodiscard]] Matrix6d pose_covariance(Timestamp stamp) const;
@@ -42,7 +49,10 @@ class WindowNavigator {
   double rest_depth_m_;  // of the scene, for the velocity sigma at rest before any point is known
   KeyframeFeatures features_;
   SlidingWindow window_;
-  Eigen::Quaterniond world_from_keyframe_;  // camera
+  std::vector<FeatureObservation> previous_features_;
+  std::optional<InertialFinding> contradiction_;  // of the accelerometer, the latest
+  Eigen::Quaterniond world_from_keyframe_;        // camera
+  Eigen::Vector3d initial_position_m_ = Eigen::Vector3d::Zero();
   Timestamp imu_known_until_;
   Timestamp previous_;
   Timestamp last_;

@@ -8,16 +8,16 @@ namespace {
 // A hole between two readings that is due to rounding.
 constexpr double kRounding_s = 1e-6;
 
-auto first_after(const std::vector<ImuReading>& readings, Timestamp stamp) {
+auto first_after(const std::vector<ImuInterval>& readings, Timestamp stamp) {
   return std::upper_bound(
       readings.begin(), readings.end(), stamp,
-      [](Timestamp from, const ImuReading& reading) { return from < reading.to; });
+      [](Timestamp from, const ImuInterval& reading) { return from < reading.to; });
 }
 
 }  // namespace
 
-void ImuTimeline::add(std::span<const ImuReading> readings) {
-  for (ImuReading reading : readings) {
+void ImuTimeline::add(std::span<const ImuInterval> readings) {
+  for (ImuInterval reading : readings) {
     reading.from = std::max(reading.from, end());
     if (reading.from < reading.to) readings_.push_back(reading);
   }
@@ -26,7 +26,7 @@ void ImuTimeline::add(std::span<const ImuReading> readings) {
 std::vector<ImuSample> ImuTimeline::between(Timestamp from, Timestamp to) const {
   std::vector<ImuSample> samples;
   Timestamp at = from;
-  const auto add = [&](const ImuReading& reading, Timestamp end, bool is_gap) {
+  const auto add = [&](const ImuInterval& reading, Timestamp end, bool is_gap) {
     const double dt_s = seconds_between(at, end);
     if (dt_s <= (is_gap ? kRounding_s : 0)) return;
     samples.push_back({.dt_s = dt_s,
@@ -36,7 +36,7 @@ std::vector<ImuSample> ImuTimeline::between(Timestamp from, Timestamp to) const 
     at = end;
   };
   auto next = first_after(readings_, from);
-  const ImuReading* held = next == readings_.begin() ? &held_ : &*(next - 1);
+  const ImuInterval* held = next == readings_.begin() ? &held_ : &*(next - 1);
   for (; next != readings_.end() && next->from < to; ++next) {
     add(*held, next->from, true);
     add(*next, std::min(next->to, to), false);
@@ -46,7 +46,7 @@ std::vector<ImuSample> ImuTimeline::between(Timestamp from, Timestamp to) const 
   return samples;
 }
 
-const ImuReading& ImuTimeline::at(Timestamp stamp) const {
+const ImuInterval& ImuTimeline::at(Timestamp stamp) const {
   const auto next = first_after(readings_, stamp);
   if (next != readings_.end() && next->from < stamp) return *next;
   return next == readings_.begin() ? held_ : *(next - 1);

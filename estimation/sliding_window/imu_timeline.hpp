@@ -10,7 +10,7 @@
 namespace stillkite {
 
 /// Mean readings of an IMU over the interval (from, to] of its clock.
-struct ImuReading {
+struct ImuInterval {
   Timestamp from;
   Timestamp to;
   Eigen::Vector3d angular_rate_rad_s = Eigen::Vector3d::Zero();
@@ -22,16 +22,16 @@ struct ImuReading {
 class ImuTimeline {
  public:
   /// `initial`: is held before the first reading.
-  explicit ImuTimeline(const ImuReading& initial = {}) : held_(initial) {}
+  explicit ImuTimeline(const ImuInterval& initial = {}) : held_(initial) {}
 
   /// Appends readings, ascending and without overlap; earlier ones are left out.
-  void add(std::span<const ImuReading> readings);
+  void add(std::span<const ImuInterval> readings);
 
   /// Samples of an interval. Where no reading is known the one before is held, as a gap.
   [[nodiscard]] std::vector<ImuSample> between(Timestamp from, Timestamp to) const;
 
   /// Readings at a time; the nearest ones before outside the known intervals.
-  [[nodiscard]] const ImuReading& at(Timestamp stamp) const;
+  [[nodiscard]] const ImuInterval& at(Timestamp stamp) const;
 
   /// End of the last reading.
   [[nodiscard]] Timestamp end() const { return readings_.empty() ? held_.to : readings_.back().to; }
@@ -39,8 +39,8 @@ class ImuTimeline {
   void forget_before(Timestamp stamp);
 
  private:
-  ImuReading held_;  // before the first one
-  std::vector<ImuReading> readings_;
+  ImuInterval held_;  // before the first one
+  std::vector<ImuInterval> readings_;
 };
 
 }  // namespace stillkite

@@ -137,7 +137,11 @@ void set_initial_prior(Window& window, const InertialPriors& priors,
   if (rest) add_rest(*rest, first, at, prior);
 }
 
-void InitialRest::add(const ImuReading& reading) {
+double accel_bias_deviation(const InertialState& state, const InertialPriors& priors) {
+  return (state.accel_bias_m_s2 / priors.accel_bias_m_s2).squaredNorm();
+}
+
+void InitialRest::add(const ImuInterval& reading) {
   const double dt_s = seconds_between(reading.from, reading.to);
   duration_s += dt_s;
   const double share = dt_s / duration_s;
@@ -181,11 +185,12 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   Initialization out;
   out.mean_squared_error = fit.observations > 0 ? 2 * fit.reprojection / fit.observations : 1e9;
   out.scale_sigma_ratio = scale_sigma_ratio(window);
-  const double bias_sigmas_2 =
-      (window.frames.front().state.accel_bias_m_s2 / priors.accel_bias_m_s2).squaredNorm();
-  out.accepted = newton_decrement(window) < kMaxDecrement &&
-                 out.scale_sigma_ratio < kMaxScaleSigma_ratio &&
-                 out.mean_squared_error < kMaxMeanSquaredError && bias_sigmas_2 < kMaxBiasSigmas2;
+  const bool is_explained =
+      newton_decrement(window) < kMaxDecrement && out.mean_squared_error < kMaxMeanSquaredError &&
+      accel_bias_deviation(window.frames.front().state, priors) < kMaxBiasSigmas2;
+  const bool is_observable = out.scale_sigma_ratio < kMaxScaleSigma_ratio;
+  out.accepted = is_observable && is_explained;
+  out.is_contradictory = is_observable && !is_explained;
   return out;
 }
 

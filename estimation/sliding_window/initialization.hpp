@@ -16,6 +16,8 @@ namespace stillkite {
 /// Outcome of an attempt.
 struct Initialization {
   bool accepted = false;
+  bool is_contradictory =
+      false;  ///< the scale would be known, but nothing explains the measurements
   double scale_sigma_ratio = 1;   ///< of the distances between the frames
   double mean_squared_error = 0;  ///< of the reprojections, in variances; 2 is expected
 };
@@ -38,12 +40,15 @@ struct InitialRest {
   Eigen::Vector3d specific_force_m_s2 = Eigen::Vector3d::Zero();
   double velocity_sigma_m_s = 0;  ///< by the images, per axis
 
-  void add(const ImuReading& reading);
+  void add(const ImuInterval& reading);
 };
 
 /// Sets the state of a window's only frame: zero velocity, gyroscope bias, roll and pitch by the
 /// mean readings; yaw and position are kept.
 void initialize_at_rest(Window& window, const InitialRest& rest);
+
+/// Squared deviation of the accelerometer bias from its prior, in variances.
+[[nodiscard]] double accel_bias_deviation(const InertialState& state, const InertialPriors& priors);
 
 /// Prior of a first frame whose position and yaw define the world; its biases are zero and the
 /// extrinsics calibrated, within the priors. `rest`: what the readings of a rest say in addition.

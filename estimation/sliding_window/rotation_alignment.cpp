@@ -1,22 +1,14 @@
 #include "estimation/sliding_window/rotation_alignment.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-#include "estimation/robust_kernel.hpp"
+#include "estimation/sliding_window/epipolar_rotation.hpp"
 
 namespace stillkite {
 namespace {
-
-struct BearingMatch {
-  Eigen::Vector3d first, second;
-  double variance;  // of one component
-};
 
 // Two frames with the bearings of the points in both.
 struct RotatedPair {
@@ -76,45 +68,15 @@ GyroRotation gyro_rotation(const Window& window, const RotatedPair& pair) {
   return out;
 }
 
-// Adds a pair's epipolar residuals t . (a x R b); its translation direction t is eliminated.
+// With the error of the second camera's axes.
 void add_pair(const RotatedPair& pair, const GyroRotation& gyro,
               const Eigen::Quaterniond& imu_from_camera, bool is_robust, AlignmentEquations& out) {
   const Eigen::Matrix3d R_e = imu_from_camera.toRotationMatrix();
-  const Eigen::Matrix3d camera_from_imu = R_e.transpose() * gyro.rotation;
-  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-  for (const BearingMatch& match : pair.matches) {
-    const Eigen::Vector3d n = match.first.cross(camera_from_imu * (R_e * match.second));
-    moment += n * n.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(moment);
-  const Eigen::Vector3d t = eigen.eigenvectors().col(0);
-  const Eigen::Matrix<double, 3, 2> tangent = eigen.eigenvectors().rightCols<2>();
-  Eigen::Matrix2d D = Eigen::Matrix2d::Zero();
-  Eigen::Matrix<double, 4, 2> C = Eigen::Matrix<double, 4, 2>::Zero();
-  Eigen::Vector2d d = Eigen::Vector2d::Zero();
-  for (const BearingMatch& match : pair.matches) {
-    constexpr double kMinLever2 = 0.01;  // a bearing along the translation constrains nothing
-    const Eigen::Vector3d second = R_e * match.second;
-    const Eigen::Vector3d n = match.first.cross(camera_from_imu * second);
-    const Eigen::Vector3d line = t.cross(match.first);
-    const double variance = 2 * match.variance * std::max(kMinLever2, line.squaredNorm());
-    const double r = t.dot(n);
-    const Eigen::Matrix<double, 1, 4> J =
-        -line.transpose() * camera_from_imu * skew(second) * gyro.jacobian;
-    const Eigen::RowVector2d K = n.transpose() * tangent;
-    const double weight =
-        (is_robust ? robust_weight(RobustKernel::geman_mcclure, r * r / variance).weight : 1) /
-        variance;
-    out.H += weight * J.transpose() * J;
-    out.g -= weight * r * J.transpose();
-    C += weight * J.transpose() * K;
-    D += weight * K.transpose() * K;
-    d -= weight * r * K.transpose();
-  }
-  D.diagonal().array() += 1e-9 * D.trace() + 1e-9;
-  const Eigen::Matrix<double, 4, 2> C_inverse = C * D.inverse();
-  out.H -= C_inverse * C.transpose();
-  out.g -= C_inverse * d;
+  const RotationEquations equations =
+      epipolar_equations(pair.matches, R_e.transpose() * gyro.rotation * R_e, is_robust);
+  const Eigen::Matrix<double, 3, 4> jacobian = R_e.transpose() * gyro.jacobian;
+  out.H += jacobian.transpose() * equations.H * jacobian;
+  out.g += jacobian.transpose() * equations.g;
 }
 
 }  // namespace

@@ -6,10 +6,8 @@
 namespace stillkite {
 
 /// Gyroscope bias and clock offset by which the gyroscope's rotations between the frames agree with
-/// the images (epipolar constraint with unknown translation directions; Kneip and Lynen,
-/// "Direct optimization of frame-to-frame rotation", ICCV 2013). Sets the biases and the
-/// offset; the IMU readings of all frames are integrated accordingly. False if the images do not
-/// determine the rotations.
+/// the images (`epipolar_equations`). Sets the biases and the offset; the IMU readings of all
+/// frames are integrated accordingly. False if the images do not determine the rotations.
 [[nodiscard]] bool align_rotations(Window& window, const InertialPriors& priors);
 
 }  // namespace stillkite

@@ -28,7 +28,7 @@ SlidingWindow::SlidingWindow(const CameraExtrinsics& extrinsics,
                              const InertialPriors& priors)
     : noise_(noise), priors_(priors), world_from_first_(world_from_imu) {
   window_.calibrated = window_.extrinsics = window_.first_extrinsics = extrinsics;
-  ImuReading at_rest;
+  ImuInterval at_rest;
   at_rest.specific_force_m_s2 = world_from_imu.rotation.conjugate() * -gravity_in_world();
   window_.imu = ImuTimeline(at_rest);
   WindowFrame first;
@@ -45,7 +45,7 @@ void SlidingWindow::begin_with(WindowFrame first) {
   append_frame(window_, std::move(first));
 }
 
-void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuReading> readings,
+void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuInterval> readings,
                               std::span<const FeatureObservation> features,
                               const std::optional<CameraRest>& rest) {
   add_readings(readings);
@@ -95,7 +95,7 @@ void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features) 
 }
 
 // Late readings replace the gap at the end of the newest frames' intervals.
-void SlidingWindow::add_readings(std::span<const ImuReading> readings) {
+void SlidingWindow::add_readings(std::span<const ImuInterval> readings) {
   const Timestamp known_until = window_.imu.end();
   window_.imu.add(readings);
   for (std::size_t i = window_.frames.size(); --i > 0;) {
@@ -163,7 +163,9 @@ void SlidingWindow::try_initialization() {
   Window attempt = window_;
   const RigidTransform before = window_.frames.front().state.world_from_imu;
   initialization_ = initialize_in_motion(attempt, before, priors_);
+  contradictions_ += initialization_.is_contradictory;
   if (!initialization_.accepted) return;
+  contradictions_ = 0;
   window_ = std::move(attempt);
   is_initialized_ = is_batch_ = true;
   align_first_pose(before.rotation, window_.frames.front().state.world_from_imu.rotation);
@@ -186,11 +188,11 @@ void SlidingWindow::estimate_batch(bool is_full) {
 }
 
 // One frame, with its features, as long as the camera rests.
-void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuReading> readings,
+void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuInterval> readings,
                                  std::span<const FeatureObservation> features,
                                  const CameraRest& rest) {
   if (!is_at_rest_) rest_.emplace();
-  for (const ImuReading& reading : readings) rest_->add(reading);
+  for (const ImuInterval& reading : readings) rest_->add(reading);
   rest_->velocity_sigma_m_s = rest.velocity_sigma_m_s;
   WindowFrame frame;
   frame.id = next_frame_id_++;

@@ -31,7 +31,7 @@ class SlidingWindow {
 
   /// Adds an image with new IMU readings and the features of known tracks; estimates all states.
   /// Readings may be late, or ahead of the image. `rest`: the images show a camera at rest.
-  void add_frame(Timestamp stamp, std::span<const ImuReading> readings,
+  void add_frame(Timestamp stamp, std::span<const ImuInterval> readings,
                  std::span<const FeatureObservation> features,
                  const std::optional<CameraRest>& rest = {});
 
@@ -65,11 +65,14 @@ class SlidingWindow {
   [[nodiscard]] const MeasuredPoints& points() const { return points_; }
   [[nodiscard]] const Window& window() const { return window_; }
   [[nodiscard]] const Initialization& last_initialization() const { return initialization_; }
+  [[nodiscard]] const InertialPriors& priors() const { return priors_; }
+  /// Contradictory attempts in a row.
+  [[nodiscard]] int contradictions() const { return contradictions_; }
 
  private:
   void begin_with(WindowFrame first);
   void align_first_pose(const Eigen::Quaterniond& before, const Eigen::Quaterniond& after);
-  void add_readings(std::span<const ImuReading> readings);
+  void add_readings(std::span<const ImuInterval> readings);
   void forget_readings();
   void predict(Timestamp stamp);
   void thin_chain();
@@ -77,7 +80,7 @@ class SlidingWindow {
   void remove_oldest();
   void try_initialization();
   void estimate_batch(bool is_full);
-  void stay_at_rest(Timestamp stamp, std::span<const ImuReading> readings,
+  void stay_at_rest(Timestamp stamp, std::span<const ImuInterval> readings,
                     std::span<const FeatureObservation> features, const CameraRest& rest);
   void estimate();
   void update_covariance();
@@ -88,6 +91,7 @@ class SlidingWindow {
   InertialPriors priors_;
   Window window_;
   Initialization initialization_;
+  int contradictions_ = 0;
   RigidTransform world_from_first_;
   std::optional<InitialRest> rest_;  // of the batch's first frame
   bool is_initialized_ = false;

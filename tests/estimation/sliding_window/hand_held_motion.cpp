@@ -63,9 +63,9 @@ std::vector<ImuSample> HandHeldMotion::samples(double from_s, double to_s, const
   return samples;
 }
 
-std::vector<ImuReading> HandHeldMotion::readings(double from_s, double to_s, const ImuNoise& noise,
-                                                 std::mt19937& random) const {
-  std::vector<ImuReading> readings;
+std::vector<ImuInterval> HandHeldMotion::readings(double from_s, double to_s, const ImuNoise& noise,
+                                                  std::mt19937& random) const {
+  std::vector<ImuInterval> readings;
   double at_s = from_s;
   for (const ImuSample& sample : samples(from_s, to_s, noise, random)) {
     readings.push_back({.from = from_seconds(at_s),

@@ -29,8 +29,8 @@ struct HandHeldMotion {
   [[nodiscard]] std::vector<ImuSample> samples(double from_s, double to_s, const ImuNoise& noise,
                                                std::mt19937& random) const;
   /// The same with their times.
-  [[nodiscard]] std::vector<ImuReading> readings(double from_s, double to_s, const ImuNoise& noise,
-                                                 std::mt19937& random) const;
+  [[nodiscard]] std::vector<ImuInterval> readings(double from_s, double to_s, const ImuNoise& noise,
+                                                  std::mt19937& random) const;
 };
 
 /// Points in view of the camera at the motion's start, 2 to 8 m away.

@@ -130,8 +130,8 @@ TEST(SlidingWindow, InitializesAtRestByTheImu) {
   for (int frame = 0; frame < 20; ++frame) {
     const double t_s = kFrame_s * frame;
     const auto features = observe(motion, t_s, points, kBearingSigma, random);
-    const auto readings =
-        frame == 0 ? std::vector<ImuReading>() : motion.readings(t_s - kFrame_s, t_s, kImu, random);
+    const auto readings = frame == 0 ? std::vector<ImuInterval>()
+                                     : motion.readings(t_s - kFrame_s, t_s, kImu, random);
     const std::optional<CameraRest> rest =
         frame < 10 ? std::nullopt : std::optional(CameraRest{from_seconds(0), 0.001});
     window.add_frame(from_seconds(t_s), readings, features, rest);

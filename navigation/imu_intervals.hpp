@@ -9,7 +9,7 @@ namespace stillkite {
 
 /// Readings after `known_until` with their intervals; those that are not finite or not ascending
 /// are left out.
-[[nodiscard]] std::vector<ImuReading> imu_readings(const std::vector<InertialReading>& readings,
-                                                   Timestamp known_until);
+[[nodiscard]] std::vector<ImuInterval> imu_intervals(const std::vector<InertialReading>& readings,
+                                                     Timestamp known_until);
 
 }  // namespace stillkite

@@ -1,12 +1,12 @@
-#include "navigation/imu_readings.hpp"
+#include "navigation/imu_intervals.hpp"
 
 #include <algorithm>
 
 namespace stillkite {
 
-std::vector<ImuReading> imu_readings(const std::vector<InertialReading>& readings,
-                                     Timestamp known_until) {
-  std::vector<ImuReading> out;
+std::vector<ImuInterval> imu_intervals(const std::vector<InertialReading>& readings,
+                                       Timestamp known_until) {
+  std::vector<ImuInterval> out;
   out.reserve(readings.size());
   Timestamp at = known_until;
   for (const InertialReading& reading : readings) {
