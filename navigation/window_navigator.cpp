@@ -192,7 +192,7 @@ Matrix6d WindowNavigator::pose_covariance(Timestamp stamp) const {
   return out + J * window_.covariance().topLeftCorner<6, 6>() * J.transpose();
 }
 
-// Mean angular rate since the previous image, by the images alone.
+// Mean angular rate since the previous image, by the images.
 std::optional<Eigen::Vector3d> WindowNavigator::image_rate(
     const std::vector<FeatureObservation>& features) {
   std::vector<BearingMatch> matches;
@@ -205,7 +205,15 @@ std::optional<Eigen::Vector3d> WindowNavigator::image_rate(
                        0.25 * (before->covariance.trace() + feature.covariance.trace())});
   }
   previous_features_ = features;
-  const auto rotation = epipolar_rotation(matches, Eigen::Quaterniond::Identity());
+  // of the two rotations that a plane allows, the gyroscope's
+  Eigen::Quaterniond before_from_now = Eigen::Quaterniond::Identity();
+  for (const ImuSample& sample : window_.samples_between(previous_, last_)) {
+    const Eigen::Vector3d rate = sample.angular_rate_rad_s - window_.state().gyro_bias_rad_s;
+    before_from_now = before_from_now * so3_exp(sample.dt_s * rate);
+  }
+  const Eigen::Quaterniond& imu_from_camera = body_from_camera_.rotation;
+  const auto rotation =
+      epipolar_rotation(matches, imu_from_camera.conjugate() * before_from_now * imu_from_camera);
   if (!rotation) return std::nullopt;
   return so3_log(*rotation) / seconds_between(previous_, last_);
 }

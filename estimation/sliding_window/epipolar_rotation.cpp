@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "estimation/robust_kernel.hpp"
 #include "geometry/rigid_transform.hpp"
@@ -93,6 +94,7 @@ std::optional<Eigen::Quaterniond> epipolar_rotation(std::span<const BearingMatch
   constexpr int kLeastSquares = 3;  // iterations before the robust ones
   constexpr int kMaxIterations = 20;
   constexpr double kMinStep_rad = 1e-6;
+  constexpr double kMaxSigma_ratio = 0.1;
   if (matches.size() < kMinMatches) return std::nullopt;
   Eigen::Quaterniond rotation = initial;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
@@ -102,7 +104,11 @@ std::optional<Eigen::Quaterniond> epipolar_rotation(std::span<const BearingMatch
     const Eigen::Vector3d step = factor.solve(equations.g);
     if (factor.info() != Eigen::Success || !step.allFinite()) return std::nullopt;
     rotation = (rotation * so3_exp(step)).normalized();
-    if (iteration >= kLeastSquares && step.norm() < kMinStep_rad) return rotation;
+    if (iteration < kLeastSquares || step.norm() >= kMinStep_rad) continue;
+    const Eigen::Matrix3d covariance = factor.solve(Eigen::Matrix3d::Identity());
+    const double sigma_rad = std::sqrt(covariance.trace());
+    if (sigma_rad > kMaxSigma_ratio * so3_log(rotation).norm()) return std::nullopt;
+    return rotation;
   }
   return std::nullopt;
 }

@@ -24,8 +24,9 @@ struct RotationEquations {
 [[nodiscard]] RotationEquations epipolar_equations(std::span<const BearingMatch> matches,
                                                    const Eigen::Matrix3d& rotation, bool is_robust);
 
-/// Rotation (second to first camera) by the images alone, from an initial one. Empty with fewer
-/// than twelve matches or if it is not determined.
+/// Rotation (second to first camera) by the images; of the two that a plane allows, the one near
+/// the initial rotation. Empty with fewer than twelve matches, or if its standard deviation exceeds
+/// a tenth of the rotation.
 [[nodiscard]] std::optional<Eigen::Quaterniond> epipolar_rotation(
     std::span<const BearingMatch> matches, const Eigen::Quaterniond& initial);
 
