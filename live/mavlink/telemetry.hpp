@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "live/clock/clock_map.hpp"
+#include "live/live_config.hpp"
+#include "live/mavlink/packet.hpp"
+
+namespace stillkite::mavlink {
+
+// Sensor readings in the body's axes (forward, left, up), on the local clock.
+
+struct ImuSample {
+  Timestamp stamp;
+  Eigen::Vector3d angular_rate_in_body_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specific_force_in_body_m_s2 = Eigen::Vector3d::Zero();
+};
+struct AttitudeSample {
+  Timestamp stamp;
+  Eigen::Quaterniond world_from_body = Eigen::Quaterniond::Identity();  ///< world: north, west, up
+};
+/// Distance along the body's -z for DISTANCE_SENSOR, relative height for GLOBAL_POSITION_INT.
+struct HeightSample {
+  Timestamp stamp;
+  double height_m = 0;
+};
+using SensorSample = std::variant<ImuSample, AttitudeSample, HeightSample>;
+
+/// Reads the sensor messages of an autopilot. Their stamps are mapped to the local clock by the
+/// smallest delay (ClockMap), less half of the shortest TIMESYNC round trip.
+class Telemetry {
+ public:
+  explicit Telemetry(const TelemetryConfig& config) : config_(config) {}
+
+  /// Reading of a packet; nullopt if the configuration does not use its message, or if the reading
+  /// is invalid or not newer than the last of its kind.
+  [[nodiscard]] std::optional<SensorSample> read(const Packet& packet, Timestamp arrival);
+
+ private:
+  [[nodiscard]] std::optional<SensorSample> read_imu(const Packet& packet, Timestamp arrival);
+  [[nodiscard]] std::optional<SensorSample> read_attitude(const Packet& packet, Timestamp arrival);
+  [[nodiscard]] std::optional<SensorSample> read_height(const Packet& packet, Timestamp arrival);
+  void update_round_trip(const Packet& packet, Timestamp arrival);
+  [[nodiscard]] Timestamp stamp_of(ClockMap& clock, std::int64_t sender_ns,
+                                   Timestamp arrival) const;
+
+  TelemetryConfig config_;
+  ClockMap boot_clock_, usec_clock_;  // of time_boot_ms and time_usec
+  std::int64_t round_trip_ns_ = 0;    // shortest; 0: unknown
+  std::optional<Timestamp> last_imu_, last_attitude_, last_height_;
+};
+
+}  // namespace stillkite::mavlink

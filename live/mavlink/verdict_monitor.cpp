@@ -1,0 +1,33 @@
+#include "live/mavlink/verdict_monitor.hpp"
+
+#include <fmt/format.h>
+
+#include "live/mavlink/vision_output.hpp"
+
+namespace stillkite::mavlink {
+
+std::uint8_t ResetCounter::update(const NavigationEstimate& estimate) {
+  const bool measured = is_measured(estimate.verdict);
+  const bool after_gap =
+      measured && last_measured_ && seconds_between(*last_measured_, estimate.stamp) > max_gap_s_;
+  const bool new_scale = last_measured_ && estimate.scale != scale_;
+  const bool relocalized = estimate.reference && estimate.reference->relocalized;
+  if (after_gap || new_scale || relocalized) ++count_;
+  if (measured) last_measured_ = estimate.stamp;
+  scale_ = estimate.scale;
+  return count_;
+}
+
+std::optional<Statustext> VerdictMonitor::update(Timestamp stamp, Verdict verdict) {
+  constexpr double kLasting_s = 1;
+  const bool measured = is_measured(verdict);
+  if (!since_ || measured != is_measured_) since_ = stamp;
+  is_measured_ = measured;
+  if (measured == !has_warned_ || seconds_between(*since_, stamp) < kLasting_s) return std::nullopt;
+  has_warned_ = !measured;
+  if (measured) return status_text(Severity::info, "vision: measured again");
+  return status_text(Severity::warning,
+                     fmt::format("vision: {} for {:.0f} s", name_of(verdict), kLasting_s));
+}
+
+}  // namespace stillkite::mavlink

@@ -1,0 +1,65 @@
+#include "live/mavlink/verdict_monitor.hpp"
+
+#include <gtest/gtest.h>
+
+namespace stillkite::mavlink {
+namespace {
+
+Timestamp at(double t_s) {
+  return from_seconds(t_s);
+}
+
+TEST(VerdictMonitor, WarnsOnceAfterASecondAndReportsTheEnd) {
+  VerdictMonitor monitor;
+  int warnings = 0, notices = 0;
+  for (int k = 0; k < 400; ++k) {
+    const double t_s = 0.01 * k;
+    const bool is_lost = t_s > 1 && t_s < 2.5;
+    const auto text = monitor.update(at(t_s), is_lost ? Verdict::lost : Verdict::ok);
+    if (!text) continue;
+    if (text->severity == 4) {
+      ++warnings;
+      EXPECT_NEAR(t_s, 2.0, 0.03);
+      EXPECT_EQ(std::string(text->text.data()), "vision: lost for 1 s");
+    } else {
+      ++notices;
+      EXPECT_NEAR(t_s, 3.5, 0.03);
+    }
+  }
+  EXPECT_EQ(warnings, 1);
+  EXPECT_EQ(notices, 1);
+}
+
+TEST(VerdictMonitor, KeepsSilentOnShortInterruptions) {
+  VerdictMonitor monitor;
+  for (int k = 0; k < 400; ++k) {
+    EXPECT_FALSE(monitor.update(at(0.01 * k), k % 60 < 40 ? Verdict::frozen : Verdict::ok));
+  }
+}
+
+NavigationEstimate estimate_at(double t_s, Verdict verdict) {
+  NavigationEstimate estimate;
+  estimate.stamp = at(t_s);
+  estimate.verdict = verdict;
+  estimate.scale = ScaleSource::initial_height;
+  return estimate;
+}
+
+TEST(ResetCounter, CountsGapsRelocalizationsAndNewScales) {
+  ResetCounter counter(0.5);
+  EXPECT_EQ(counter.update(estimate_at(0, Verdict::first_frame)), 0);
+  EXPECT_EQ(counter.update(estimate_at(0.1, Verdict::ok)), 0);
+  EXPECT_EQ(counter.update(estimate_at(0.2, Verdict::lost)), 0);
+  EXPECT_EQ(counter.update(estimate_at(0.4, Verdict::ok)), 0);
+  EXPECT_EQ(counter.update(estimate_at(1.0, Verdict::ok)), 1);
+  NavigationEstimate relocalized = estimate_at(1.1, Verdict::ok);
+  relocalized.reference.emplace();
+  relocalized.reference->relocalized = true;
+  EXPECT_EQ(counter.update(relocalized), 2);
+  NavigationEstimate scaled = estimate_at(1.2, Verdict::ok);
+  scaled.scale = ScaleSource::imu;
+  EXPECT_EQ(counter.update(scaled), 3);
+}
+
+}  // namespace
+}  // namespace stillkite::mavlink
