@@ -35,11 +35,12 @@ ExitCode parse_and_run(int argc, char** argv, const std::string& version) {
   });
   app.footer(
       "Keys of a run with default and description: stillkite config > my.yaml\n"
-      "Keys of a simulated flight: stillkite simulate --print; of the trials: stillkite hover "
-      "--print\n"
+      "Keys of a live flight: stillkite fly --print; of a simulated one: stillkite simulate "
+      "--print; of the trials: stillkite hover --print\n"
       "Exit status: 0 done, 1 failure, 2 wrong use or input, 130 interrupted.");
 
   add_run(app);
+  add_fly(app);
   add_simulate(app);
   add_evaluate(app);
   add_compare(app);

@@ -11,6 +11,7 @@ namespace stillkite {
 // failure (1). Results go to stdout, messages to stderr.
 
 void add_run(CLI::App& app);
+void add_fly(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_compare(CLI::App& app);

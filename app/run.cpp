@@ -9,6 +9,7 @@
 #include "app/estimator_run.hpp"
 #include "app/interrupt.hpp"
 #include "app/options.hpp"
+#include "app/replay_flight.hpp"
 #include "app/results_folder.hpp"
 #include "app/run_results.hpp"
 #include "app/run_warnings.hpp"
@@ -29,6 +30,12 @@ struct RunArguments {
 };
 
 void run(const RunArguments& arguments) {
+  if (is_flight_record(arguments.config)) {
+    return replay_flight({.record = arguments.config,
+                          .overrides = arguments.overrides,
+                          .out = arguments.out,
+                          .json = arguments.json});
+  }
   const RunConfig config = load_run_config(arguments.config, arguments.overrides);
   FrameSource source(config.source);
   check_row_times(source, config);
@@ -71,7 +78,10 @@ void add_run(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("run", "Estimate the motion from a video or an image data set");
   const auto arguments = std::make_shared<RunArguments>();
-  command->add_option("config", arguments->config, "YAML file; see: stillkite config")->required();
+  command
+      ->add_option("config", arguments->config,
+                   "YAML file, see: stillkite config; or a flight recorded by stillkite fly")
+      ->required();
   add_overrides(*command, arguments->overrides);
   add_results_folder(*command, arguments->out);
   command->add_flag("--json", arguments->json, "Print only summary.json on stdout");

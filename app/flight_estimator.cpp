@@ -1,0 +1,126 @@
+#include "app/flight_estimator.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "flow/frame.hpp"
+#include "io/config/config_values.hpp"
+#include "io/dataset/flight_sensors.hpp"
+#include "io/dataset/initial_state.hpp"
+#include "navigation/effective_config.hpp"
+
+namespace stillkite {
+namespace {
+
+template <typename Value>
+void append(TimeSeries<Value>& series, Timestamp stamp, const Value& value) {
+  series.stamps.push_back(stamp);
+  series.values.push_back(value);
+}
+
+template <typename Value>
+void discard(TimeSeries<Value>& series, Timestamp before) {
+  const auto end = std::ranges::lower_bound(series.stamps, before) - series.stamps.begin();
+  series.stamps.erase(series.stamps.begin(), series.stamps.begin() + end);
+  series.values.erase(series.values.begin(), series.values.begin() + end);
+}
+
+HeightSource height_source_of(HeightMessage message) {
+  switch (message) {
+    case HeightMessage::distance_sensor:
+      return HeightSource::range;
+    case HeightMessage::global_position:
+      return HeightSource::barometer;
+    case HeightMessage::none:
+      break;
+  }
+  return HeightSource::none;
+}
+
+}  // namespace
+
+FlightEstimator::FlightEstimator(FlyConfig config)
+    : config_(std::move(config)),
+      telemetry_(config_.live.telemetry),
+      body_from_autopilot_(config_.imu.rotation_wxyz
+                               ? unit_quaternion(*config_.imu.rotation_wxyz, "imu.rotation_wxyz")
+                               : Eigen::Quaterniond::Identity()) {
+  sensors_.height_source = config_.live.telemetry.height == HeightMessage::global_position
+                               ? ScaleSource::barometer
+                               : ScaleSource::range;
+  sensors_.imu_noise = config_.imu.noise;
+}
+
+void FlightEstimator::receive(const mavlink::Packet& packet, Timestamp arrival) {
+  if (const auto sample = telemetry_.read(packet, arrival)) add(*sample);
+}
+
+void FlightEstimator::add(const mavlink::SensorSample& sample) {
+  if (const auto* imu = std::get_if<mavlink::ImuSample>(&sample)) {
+    Vector6d value;
+    value << body_from_autopilot_ * imu->angular_rate_in_body_rad_s,
+        body_from_autopilot_ * imu->specific_force_in_body_m_s2;
+    append(sensors_.imu, imu->stamp, value);
+    append(sensors_.angular_rate_in_body_rad_s, imu->stamp, Eigen::Vector3d(value.head<3>()));
+  } else if (const auto* attitude = std::get_if<mavlink::AttitudeSample>(&sample)) {
+    append(sensors_.attitude, attitude->stamp,
+           Eigen::Quaterniond(attitude->world_from_body * body_from_autopilot_.conjugate()));
+  } else if (const auto* height = std::get_if<mavlink::HeightSample>(&sample)) {
+    append(sensors_.height_m, height->stamp, height->height_m + height_offset_m_);
+  }
+}
+
+bool FlightEstimator::is_ready(Timestamp stamp) const {
+  if (navigator_) return true;
+  const SensorReadings readings = readings_between(sensors_, stamp, stamp);
+  const TelemetryConfig& telemetry = config_.live.telemetry;
+  const bool needs_height =
+      telemetry.height == HeightMessage::global_position ||
+      (telemetry.height == HeightMessage::distance_sensor && !config_.initial.height_m);
+  return (!telemetry.attitude || readings.attitude) && (!needs_height || readings.height_m);
+}
+
+void FlightEstimator::initialize(const Frame& first) {
+  RunConfig run = run_config_of(config_);
+  inputs_ = read_flight_inputs(run, first);
+  run.height.source = height_source_of(config_.live.telemetry.height);
+  inputs_->initial = initial_state(run, inputs_->truth, sensors_, first.stamp);
+  if (run.height.source == HeightSource::barometer) {
+    const SensorReadings readings = readings_between(sensors_, first.stamp, first.stamp);
+    height_offset_m_ =
+        inputs_->initial.world_from_body.translation.z() - readings.height_m.value_or(0);
+    for (double& height_m : sensors_.height_m.values) height_m += height_offset_m_;
+  }
+  config_.navigator =
+      effective_config(config_.navigator, config_.estimator.policy, inputs_->initial.scale);
+  NavigatorConfig navigator = config_.navigator;
+  navigator.fusion = with_imu_noise(navigator.fusion, sensors_.imu_noise);
+  navigator_.emplace(inputs_->camera, inputs_->body_from_camera, navigator, inputs_->initial,
+                     config_.estimator);
+}
+
+NavigationEstimate FlightEstimator::step(const Frame& frame) {
+  if (!navigator_) initialize(frame);
+  sensors_.imu.max_gap_s = max_gap_s(sensors_.imu.stamps);
+  sensors_.angular_rate_in_body_rad_s.max_gap_s = sensors_.imu.max_gap_s;
+  const Timestamp before = last_frame_.value_or(frame.stamp);
+  Frame masked = frame;
+  masked.mask = inputs_->mask;
+  NavigationEstimate estimate =
+      navigator_->step(masked, readings_between(sensors_, before, frame.stamp));
+  last_frame_ = frame.stamp;
+  discard_before(frame.stamp);
+  return gravity_aligned(std::move(estimate));
+}
+
+// The next interval begins at this stamp and needs the readings around it.
+void FlightEstimator::discard_before(Timestamp stamp) {
+  constexpr double kKept_s = 2;
+  const Timestamp oldest{stamp.ns - from_seconds(kKept_s).ns};
+  discard(sensors_.imu, oldest);
+  discard(sensors_.angular_rate_in_body_rad_s, oldest);
+  discard(sensors_.attitude, oldest);
+  discard(sensors_.height_m, oldest);
+}
+
+}  // namespace stillkite

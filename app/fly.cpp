@@ -1,0 +1,218 @@
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <ctime>
+#include <exception>
+#include <memory>
+#include <utility>
+
+#include "app/autopilot_output.hpp"
+#include "app/commands.hpp"
+#include "app/flight_estimator.hpp"
+#include "app/interrupt.hpp"
+#include "app/json_output.hpp"
+#include "app/latency_histogram.hpp"
+#include "app/options.hpp"
+#include "app/results_folder.hpp"
+#include "io/config/config_printing.hpp"
+#include "io/results/estimates_csv.hpp"
+#include "io/results/output_file.hpp"
+#include "io/text_file.hpp"
+#include "io/video/luma.hpp"
+#include "live/clock/local_clock.hpp"
+#include "live/link/autopilot_link.hpp"
+#include "live/record/flight_record.hpp"
+#include "live/stream/stream_address.hpp"
+#include "live/stream/video_capture.hpp"
+
+namespace stillkite {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct FlyArguments {
+  std::optional<fs::path> config;
+  std::vector<std::string> overrides;
+  fs::path out;
+  bool print = false;
+};
+
+void report(const std::string& message) {
+  fmt::print(stderr, "stillkite: {}\n", message);
+}
+
+fs::path flight_folder(const FlyArguments& arguments) {
+  if (!arguments.out.empty()) return arguments.out;
+  const std::string name = arguments.config ? flight_name(*arguments.config) : "flight";
+  return fs::path("out") /
+         fmt::format("{}-{:%Y%m%d-%H%M%S}", name, fmt::gmtime(std::time(nullptr)));
+}
+
+// Copies the calibration into the record, so that it can be read without other files.
+CalibrationConfig copied(CalibrationConfig calibration, const fs::path& folder) {
+  const auto copy = [&](std::optional<fs::path>& path, const std::string& name) {
+    if (!path) return;
+    const fs::path file = fs::path(name) += path->extension();
+    write_file(folder / file, read_bytes(*path));
+    path = file;
+  };
+  copy(calibration.path, "calibration");
+  copy(calibration.mask_path, "mask");
+  return calibration;
+}
+
+void write_flight_config(FlyConfig config, const fs::path& folder) {
+  config.calibration = copied(config.calibration, folder);
+  write_file(folder / kFlightConfig, print_config(config));
+}
+
+// Throws InputError before anything is opened or written.
+StreamConfig expanded(StreamConfig source) {
+  source.path = expand_environment(source.path, "source.path");
+  static_cast<void>(parse_stream_address(source.path));
+  return source;
+}
+
+/// One live flight: connections, estimator and record.
+class Flight {
+ public:
+  Flight(const FlyConfig& config, const StreamConfig& source, const fs::path& folder)
+      : record_(folder),
+        estimator_(config),
+        luma_(std::make_shared<LumaExtractor>("source.path", std::nullopt)) {
+    write_flight_config(config, folder);
+    record_.add_estimate(estimates_csv_header());
+    const LiveConfig& live = config.live;
+    if (live.json) json_.emplace(*live.json);
+    if (live.mavlink) {
+      link_.emplace(parse_link_address(*live.mavlink, "live.mavlink"),
+                    static_cast<std::uint8_t>(live.system_id), live.send.origin);
+      autopilot_.emplace(*link_, live.send, config.navigator.trust.max_gap_s);
+    }
+    capture_.emplace(
+        source,
+        [luma = luma_](const AVFrame& image, cv::Mat recycled) {
+          return luma->extract(image, std::move(recycled));
+        },
+        report, &record_);
+  }
+
+  // Estimates until the end of the input or Ctrl-C.
+  void run() {
+    constexpr double kWait_s = 0.1;  // Ctrl-C and telemetry without frames
+    while (!interrupted() && !capture_->has_ended()) {
+      const std::optional<CapturedFrame> captured = capture_->next(kWait_s);
+      receive_telemetry();
+      if (captured) step(*captured);
+      report_record_failure();
+    }
+    if (capture_->failure()) std::rethrow_exception(capture_->failure());
+  }
+
+  void report_counts() {
+    const CaptureCounts counts = capture_->counts();
+    report(fmt::format("{} images decoded, {} used, {} replaced by newer ones, {} rejected",
+                       counts.decoded, used_, counts.replaced, counts.rejected));
+    if (const auto median_ms = latency_.quantile_ms(0.5)) {
+      report(fmt::format("arrival to estimate: {:.1f} ms (median), {:.1f} ms (99 %)", *median_ms,
+                         *latency_.quantile_ms(0.99)));
+    }
+    if (!link_) return;
+    const mavlink::ParserCounts packets = link_->counts();
+    report(
+        fmt::format("MAVLink: {} packets read, {} of other messages, {} checksum errors, {} lost",
+                    packets.packets, packets.unknown, packets.checksum_errors, packets.lost));
+  }
+
+ private:
+  void receive_telemetry() {
+    if (!link_) return;
+    for (const ReceivedPacket& received : link_->take()) {
+      record_.add_message(received.packet.raw.bytes(), received.arrival);
+      estimator_.receive(received.packet, received.arrival);
+      ++messages_;
+    }
+  }
+
+  void step(const CapturedFrame& captured) {
+    const Frame& frame = captured.frame;
+    const bool is_ready = estimator_.is_ready(frame.stamp);
+    record_.add_frame({.index = frame.index,
+                       .outcome = is_ready ? FrameOutcome::used : FrameOutcome::settling,
+                       .stamp = frame.stamp,
+                       .stamp_sigma_s = frame.stamp_sigma_s,
+                       .telemetry = messages_});
+    if (!is_ready) {
+      if (!std::exchange(has_reported_wait_, true)) {
+        report("waiting for the telemetry of the initial state (live.telemetry)");
+      }
+      return;
+    }
+    const NavigationEstimate estimate = estimator_.step(frame);
+    if (autopilot_) autopilot_->send(estimate, estimator_.inputs().body_from_camera);
+    if (json_) json_->send(estimate);
+    latency_.add(1e3 * seconds_between(captured.arrival, local_now()));
+    record_.add_estimate(estimates_csv_row(estimate));
+    ++used_;
+  }
+
+  void report_record_failure() {
+    if (has_reported_failure_) return;
+    if (const auto failure = record_.failure()) {
+      report(*failure);
+      has_reported_failure_ = true;
+    }
+  }
+
+  FlightRecord record_;
+  FlightEstimator estimator_;
+  std::shared_ptr<LumaExtractor> luma_;
+  std::optional<JsonOutput> json_;
+  std::optional<AutopilotLink> link_;
+  std::optional<AutopilotOutput> autopilot_;
+  LatencyHistogram latency_;
+  std::int64_t used_ = 0, messages_ = 0;
+  bool has_reported_wait_ = false, has_reported_failure_ = false;
+  std::optional<VideoCapture> capture_;  // last: its thread uses record_ and luma_
+};
+
+void fly(const FlyArguments& arguments) {
+  const FlyConfig config = load_fly_config(arguments.config, arguments.overrides);
+  if (arguments.print) {
+    fmt::print("{}", print_config(config));
+    return;
+  }
+  const StreamConfig source = expanded(config.source);
+  const fs::path folder = flight_folder(arguments);
+  {
+    const auto flight = std::make_unique<Flight>(config, source, folder);
+    flight->run();
+    flight->report_counts();
+  }
+  report(fmt::format("record: {0}; its estimates again: stillkite run {0}", folder.string()));
+  if (interrupted()) throw Interrupted{};
+}
+
+}  // namespace
+
+void add_fly(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "fly", "Estimate the motion from a live video, with telemetry and MAVLink output");
+  const auto arguments = std::make_shared<FlyArguments>();
+  command->add_option("config", arguments->config, "YAML file (default: default values)");
+  add_overrides(*command, arguments->overrides);
+  command
+      ->add_option("--out", arguments->out, "New folder for the record (default: out/CONFIG-TIME)")
+      ->type_name("DIR");
+  command->add_flag("--print", arguments->print,
+                    "Print the configuration with descriptions and exit");
+  command->footer(
+      "Keys with default and description: stillkite fly --print > flight.yaml\n"
+      "Records video, telemetry and estimates; stillkite run DIR computes them again.\n"
+      "Example: stillkite fly flight.yaml --set source.path=udp://127.0.0.1:5600 --set "
+      "live.json=-");
+  command->callback([arguments] { fly(*arguments); });
+}
+
+}  // namespace stillkite

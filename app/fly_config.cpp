@@ -1,0 +1,61 @@
+#include "app/fly_config.hpp"
+
+#include "io/config/config_binding.hpp"
+#include "io/text_file.hpp"
+
+namespace stillkite {
+namespace {
+
+void check_estimator(const FlyConfig& config) {
+  if (config.initial.from_truth) {
+    throw InputError("initial.from_truth: a live flight has no truth; set initial.height_m");
+  }
+  const bool needs_imu = config.estimator.policy == Policy::fused &&
+                         config.navigator.fusion.solver == FusionSolver::window;
+  if (needs_imu && config.live.telemetry.imu == ImuMessage::none) {
+    throw InputError(
+        "fusion.solver: window needs an IMU; set live.telemetry.imu, or fusion.solver to filter");
+  }
+  const TelemetryConfig& telemetry = config.live.telemetry;
+  const bool uses_telemetry = telemetry.imu != ImuMessage::none || telemetry.attitude ||
+                              telemetry.height != HeightMessage::none;
+  if (uses_telemetry && !config.live.mavlink) {
+    throw InputError("live.telemetry needs a link to the autopilot; set live.mavlink");
+  }
+  if (telemetry.height == HeightMessage::global_position && !config.initial.height_m) {
+    throw InputError(
+        "live.telemetry.height: GLOBAL_POSITION_INT is a relative height; set initial.height_m "
+        "too");
+  }
+}
+
+}  // namespace
+
+FlyConfig load_fly_config(const std::optional<std::filesystem::path>& file,
+                          const std::vector<std::string>& overrides) {
+  const ConfigNode root = read_config(file, overrides);
+  FlyConfig config = bind_config<FlyConfig>(root);
+  const ConfigNode* source = root.find("source");
+  const ConfigNode* path = source != nullptr ? source->find("path") : nullptr;
+  if (path != nullptr && config.source.path.ends_with(".sdp")) {
+    config.source.path = resolve_path(config.source.path, path->base_folder, path->where());
+  }
+  check_estimator(config);
+  return config;
+}
+
+RunConfig run_config_of(const FlyConfig& config) {
+  RunConfig run;
+  run.source.path = config.source.path;
+  run.calibration = config.calibration;
+  run.mount = config.mount;
+  run.initial = config.initial;
+  run.imu.rotation_wxyz = config.imu.rotation_wxyz;
+  run.imu.noise = config.imu.noise;
+  run.estimator = config.estimator;
+  run.navigator = config.navigator;
+  run.shadow.enabled = false;
+  return run;
+}
+
+}  // namespace stillkite

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace stillkite {
+
+/// True for the folder of a flight that `stillkite fly` has recorded.
+[[nodiscard]] bool is_flight_record(const std::filesystem::path& path);
+
+struct ReplayArguments {
+  std::filesystem::path record;
+  std::vector<std::string> overrides;
+  std::filesystem::path out;
+  bool json = false;
+};
+
+/// Estimates the motion from a recorded flight: the same frames and telemetry in the same order as
+/// in flight. Writes the results of `run`. Throws as `run` does.
+void replay_flight(const ReplayArguments& arguments);
+
+}  // namespace stillkite

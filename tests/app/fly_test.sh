@@ -1,0 +1,41 @@
+#!/bin/bash
+# Live flight over UDP on this machine: the sender starts late, is silent for two seconds, and the
+# process is killed. The record reproduces every estimate.
+# usage: fly_test.sh STILLKITE VIDEO CALIBRATION OUT
+set -u
+stillkite=$1 video=$2 calibration=$3 out=$4
+command -v ffmpeg > /dev/null || { echo "skipped: ffmpeg is missing"; exit 0; }
+fail() { echo "$1"; cat "$out/messages"; exit 1; }
+rm -rf "$out" && mkdir -p "$out"
+port=38631
+cat > "$out/flight.yaml" << END
+source: {path: "udp://127.0.0.1:$port", timeout_s: 0.5}
+calibration: {path: $calibration}
+initial: {height_m: 20}
+live: {json: "-"}
+END
+send() {
+  ffmpeg -v error -re "$@" -i "$video" -c:v libx264 -preset ultrafast -tune zerolatency -g 5 \
+    -f mpegts "udp://127.0.0.1:$port?pkt_size=1316" || fail "ffmpeg cannot send"
+}
+"$stillkite" fly "$out/flight.yaml" --out "$out/flight" > "$out/estimates.json" 2> "$out/messages" &
+pid=$!
+sleep 0.5
+send -stream_loop 3
+before=$(wc -l < "$out/estimates.json")
+[ "$before" -gt 5 ] || fail "only $before estimates"
+sleep 2
+grep -q "no packet for 0.5 s" "$out/messages" || fail "silence is not reported"
+send -stream_loop 3
+[ "$(wc -l < "$out/estimates.json")" -gt $((before + 5)) ] || fail "no estimates after the silence"
+[ "$(grep -c connected "$out/messages")" -eq 2 ] || fail "the new connection is not reported"
+kill -9 $pid
+wait $pid 2> /dev/null
+"$stillkite" run "$out/flight" --out "$out/again" > /dev/null || fail "the record cannot be read"
+# all columns but the times of the stages, which are the last four
+without_times() { sed -E 's/(,[^,]*){4}$//' "$1"; }
+rows=$(($(wc -l < "$out/again/estimates.csv")))
+[ "$rows" -gt 10 ] || fail "only $rows rows from the record"
+diff <(without_times "$out/flight/estimates.csv") <(without_times "$out/again/estimates.csv") ||
+  fail "estimates from the record differ"
+exit 0
