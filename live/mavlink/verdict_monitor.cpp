@@ -10,11 +10,13 @@ std::uint8_t ResetCounter::update(const NavigationEstimate& estimate) {
   const bool measured = is_measured(estimate.verdict);
   const bool after_gap =
       measured && last_measured_ && seconds_between(*last_measured_, estimate.stamp) > max_gap_s_;
-  const bool new_scale = last_measured_ && estimate.scale != scale_;
+  const bool is_metric = estimate.scale != ScaleSource::none;
+  const bool regained_scale = is_metric && has_lost_scale_;
   const bool relocalized = estimate.reference && estimate.reference->relocalized;
-  if (after_gap || new_scale || relocalized) ++count_;
+  if (after_gap || regained_scale || relocalized) ++count_;
   if (measured) last_measured_ = estimate.stamp;
-  scale_ = estimate.scale;
+  has_been_metric_ = has_been_metric_ || is_metric;
+  has_lost_scale_ = has_been_metric_ && !is_metric;
   return count_;
 }
 

@@ -9,8 +9,9 @@
 
 namespace stillkite::mavlink {
 
-/// Counts discontinuities of the pose for `reset_counter`: a relocalization, a new source of scale,
-/// and the first measured frame after more than `max_gap_s` without a measurement.
+/// Counts discontinuities of the pose for `reset_counter`: a relocalization, a metric frame after
+/// others that had lost the scale, and the first measured frame after more than `max_gap_s` without
+/// a measurement.
 class ResetCounter {
  public:
   explicit ResetCounter(double max_gap_s) : max_gap_s_(max_gap_s) {}
@@ -20,7 +21,7 @@ class ResetCounter {
  private:
   double max_gap_s_;
   std::optional<Timestamp> last_measured_;
-  ScaleSource scale_ = ScaleSource::none;
+  bool has_been_metric_ = false, has_lost_scale_ = false;
   std::uint8_t count_ = 0;
 };
 

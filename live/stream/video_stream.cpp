@@ -50,6 +50,7 @@ void set_options(Options& options, const StreamConfig& config, StreamKind kind) 
   options.set("protocol_whitelist", "file,udp,rtp,rtsp,tcp,crypto");
   options.set("analyzeduration", fmt::format("{}", std::llround(1e6 * kProbe_s)));
   options.set("fpsprobesize", "0");
+  options.set("max_ts_probe", "0");
   if (kind == StreamKind::rtsp)
     options.set("rtsp_transport", std::string(name_of(config.transport)));
   if (kind == StreamKind::udp) {
@@ -68,6 +69,13 @@ bool invents_time_stamps(const AVFormatContext& container) {
          av_opt_find(&options, "framerate", nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ) != nullptr;
 }
 
+// True if a packet of the demuxer is one image. Those of RTP are parts of images, and a bare stream
+// has none: the parser joins and splits them, and delays an image until the next one begins.
+bool holds_whole_images(const AVFormatContext& container) {
+  const std::string_view format = container.iformat->name;
+  return format == "mpegts" || format.starts_with("video4linux2");
+}
+
 }  // namespace
 
 VideoStream::VideoStream(const StreamConfig& config, const std::atomic<bool>& stop)
@@ -76,6 +84,10 @@ VideoStream::VideoStream(const StreamConfig& config, const std::atomic<bool>& st
   const StreamAddress address = parse_stream_address(config.path);
   set_deadline(config.timeout_s + kProbe_s);
   open(address);
+  has_time_stamps_ = address.kind == StreamKind::device || !invents_time_stamps(*container_);
+  if (holds_whole_images(*container_)) {
+    container_->flags |= AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
+  }
   if (const int error = avformat_find_stream_info(container_.get(), nullptr); error < 0) {
     throw StreamError(error_text(error));
   }
@@ -83,7 +95,7 @@ VideoStream::VideoStream(const StreamConfig& config, const std::atomic<bool>& st
   if (index < 0) throw StreamError("no video");
   stream_ = container_->streams[index];
   if (stream_->codecpar->width <= 0) throw StreamError("no key frame");
-  has_time_stamps_ = address.kind == StreamKind::device || !invents_time_stamps(*container_);
+  key_frames_.emplace(*stream_->codecpar);
   for (unsigned i = 0; i < container_->nb_streams; ++i) {
     if (static_cast<int>(i) != index) container_->streams[i]->discard = AVDISCARD_ALL;
   }
@@ -121,7 +133,10 @@ StreamStatus VideoStream::read(AVPacket& packet) {
     const int error = av_read_frame(container_.get(), &packet);
     // after the time-out the last packets of the parser are returned before the error
     is_silent_ = is_silent_ || is_over(this) != 0;
-    if (error >= 0 && packet.stream_index == stream_->index) return StreamStatus::packet;
+    if (error >= 0 && packet.stream_index == stream_->index) {
+      key_frames_->mark(packet);
+      return StreamStatus::packet;
+    }
     if (error >= 0) {
       av_packet_unref(&packet);
     } else if (is_silent_) {

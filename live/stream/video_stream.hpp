@@ -3,11 +3,13 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "live/stream/stream_address.hpp"
 #include "live/stream/stream_config.hpp"
+#include "live/video/key_frames.hpp"
 #include "live/video/libav_handles.hpp"
 
 namespace stillkite {
@@ -52,6 +54,7 @@ class VideoStream {
   LibavHandle<AVIOContext> input_;             // of standard input; used by container_
   LibavHandle<AVFormatContext> container_;
   AVStream* stream_ = nullptr;  // owned by the container
+  std::optional<KeyFrames> key_frames_;
   bool has_time_stamps_ = true;
   bool is_silent_ = false;
 };

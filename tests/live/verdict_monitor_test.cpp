@@ -45,7 +45,7 @@ NavigationEstimate estimate_at(double t_s, Verdict verdict) {
   return estimate;
 }
 
-TEST(ResetCounter, CountsGapsRelocalizationsAndNewScales) {
+TEST(ResetCounter, CountsGapsAndRelocalizations) {
   ResetCounter counter(0.5);
   EXPECT_EQ(counter.update(estimate_at(0, Verdict::first_frame)), 0);
   EXPECT_EQ(counter.update(estimate_at(0.1, Verdict::ok)), 0);
@@ -56,9 +56,22 @@ TEST(ResetCounter, CountsGapsRelocalizationsAndNewScales) {
   relocalized.reference.emplace();
   relocalized.reference->relocalized = true;
   EXPECT_EQ(counter.update(relocalized), 2);
-  NavigationEstimate scaled = estimate_at(1.2, Verdict::ok);
-  scaled.scale = ScaleSource::imu;
-  EXPECT_EQ(counter.update(scaled), 3);
+  EXPECT_EQ(counter.update(estimate_at(1.2, Verdict::ok)), 2);
+}
+
+TEST(ResetCounter, CountsALostScaleButNoneBeforeTheFirst) {
+  ResetCounter counter(0.5);
+  const auto update = [&](double t_s, ScaleSource scale) {
+    NavigationEstimate estimate = estimate_at(t_s, Verdict::ok);
+    estimate.scale = scale;
+    return counter.update(estimate);
+  };
+  EXPECT_EQ(update(0.0, ScaleSource::none), 0);
+  EXPECT_EQ(update(0.1, ScaleSource::initial_height), 0);
+  EXPECT_EQ(update(0.2, ScaleSource::range), 0);
+  EXPECT_EQ(update(0.3, ScaleSource::none), 0);
+  EXPECT_EQ(update(0.4, ScaleSource::range), 1);
+  EXPECT_EQ(update(0.5, ScaleSource::range), 1);
 }
 
 }  // namespace
