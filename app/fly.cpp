@@ -110,6 +110,8 @@ class Flight {
     if (capture_->failure()) std::rethrow_exception(capture_->failure());
   }
 
+  [[nodiscard]] bool has_images() const { return capture_->counts().decoded > 0; }
+
   void report_counts() {
     const CaptureCounts counts = capture_->counts();
     report(fmt::format("{} images decoded, {} used, {} replaced by newer ones, {} rejected",
@@ -189,6 +191,10 @@ void fly(const FlyArguments& arguments) {
     const auto flight = std::make_unique<Flight>(config, source, folder);
     flight->run();
     flight->report_counts();
+    if (!interrupted() && !flight->has_images()) {
+      throw InputError(
+          "source.path: standard input has no video; expected MPEG-TS, MJPEG or H.264");
+    }
   }
   report(fmt::format("record: {0}; its estimates again: stillkite run {0}", folder.string()));
   if (interrupted()) throw Interrupted{};

@@ -2,7 +2,6 @@
 
 extern "C" {
 #include <libavdevice/avdevice.h>
-#include <libavutil/log.h>
 #include <libavutil/opt.h>
 }
 
@@ -80,7 +79,7 @@ bool holds_whole_images(const AVFormatContext& container) {
 
 VideoStream::VideoStream(const StreamConfig& config, const std::atomic<bool>& stop)
     : config_(config), stop_(stop) {
-  if (av_log_get_level() == AV_LOG_INFO) av_log_set_level(AV_LOG_QUIET);
+  silence_libav();
   const StreamAddress address = parse_stream_address(config.path);
   set_deadline(config.timeout_s + kProbe_s);
   open(address);

@@ -3,6 +3,7 @@
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
+#include <libavutil/log.h>
 }
 
 #include <memory>
@@ -22,5 +23,10 @@ struct FreeLibav {
 };
 template <typename T>
 using LibavHandle = std::unique_ptr<T, FreeLibav>;
+
+/// No messages of libav on standard error, unless the program has set its log level.
+inline void silence_libav() {
+  if (av_log_get_level() == AV_LOG_INFO) av_log_set_level(AV_LOG_QUIET);
+}
 
 }  // namespace stillkite

@@ -7,6 +7,7 @@
 namespace stillkite {
 
 PacketDecoder::PacketDecoder(const AVCodecParameters& parameters) {
+  silence_libav();
   const AVCodec* codec = avcodec_find_decoder(parameters.codec_id);
   decoder_.reset(avcodec_alloc_context3(codec));
   if (codec == nullptr || avcodec_parameters_to_context(decoder_.get(), &parameters) < 0) {

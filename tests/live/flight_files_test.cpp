@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 class FlightFiles : public testing::Test {
  protected:
-  FlightFiles() { fs::remove_all(folder); }
-  ~FlightFiles() override { fs::remove_all(folder); }
+  void SetUp() override { fs::remove_all(folder); }
+  void TearDown() override { fs::remove_all(folder); }
 
   void append(const char* name, const std::string& text) const {
     std::ofstream(folder / name, std::ios::app) << text;

@@ -15,8 +15,8 @@ namespace stillkite {
 
 /// Video of a test, encoded by libavcodec. The container follows from the file's extension.
 struct CodedVideo {
-  std::string codec;         ///< encoder of libavcodec
-  std::string options = "";  ///< "key=value;key=value" of the encoder
+  std::string codec;      ///< encoder of libavcodec
+  std::string options{};  ///< "key=value;key=value" of the encoder
   AVPixelFormat format = AV_PIX_FMT_YUV420P;
   int rate_hz = 30;
   int frames = 1;
