@@ -80,6 +80,13 @@ bool FlightEstimator::is_ready(Timestamp stamp) const {
   return (!telemetry.attitude || readings.attitude) && (!needs_height || readings.height_m);
 }
 
+bool FlightEstimator::has_imu_until(Timestamp stamp) const {
+  constexpr double kSilent_s = 0.5;
+  const std::vector<Timestamp>& stamps = sensors_.imu.stamps;
+  return stamps.empty() || stamps.back() >= stamp ||
+         seconds_between(stamps.back(), stamp) > kSilent_s;
+}
+
 void FlightEstimator::initialize(const Frame& first) {
   RunConfig run = run_config_of(config_);
   inputs_ = read_flight_inputs(run, first);

@@ -22,6 +22,9 @@ class FlightEstimator {
   /// False before the first frame while telemetry that defines the initial state is missing.
   [[nodiscard]] bool is_ready(Timestamp stamp) const;
 
+  /// True once the IMU's readings reach the stamp, or if there is no IMU or it is silent.
+  [[nodiscard]] bool has_imu_until(Timestamp stamp) const;
+
   /// Estimate of a frame, gravity-aligned. The first frame sets the initial state. Throws
   /// InputError on an invalid calibration or initial state.
   [[nodiscard]] NavigationEstimate step(const Frame& frame);

@@ -2,9 +2,11 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <ctime>
 #include <exception>
 #include <memory>
+#include <thread>
 #include <utility>
 
 #include "app/autopilot_output.hpp"
@@ -104,6 +106,7 @@ class Flight {
     while (!interrupted() && !capture_->has_ended()) {
       const std::optional<CapturedFrame> captured = capture_->next(kWait_s);
       receive_telemetry();
+      if (captured) wait_for_imu(captured->frame.stamp);
       if (captured) step(*captured);
       report_record_failure();
     }
@@ -134,6 +137,16 @@ class Flight {
       record_.add_message(received.packet.raw.bytes(), received.arrival);
       estimator_.receive(received.packet, received.arrival);
       ++messages_;
+    }
+  }
+
+  // Readings up to the frame's stamp, which may arrive after the frame.
+  void wait_for_imu(Timestamp stamp) {
+    constexpr std::chrono::milliseconds kStep{1};
+    constexpr int kMaxSteps = 50;
+    for (int i = 0; i < kMaxSteps && !estimator_.has_imu_until(stamp); ++i) {
+      std::this_thread::sleep_for(kStep);
+      receive_telemetry();
     }
   }
 

@@ -22,6 +22,7 @@ namespace {
 using asio::ip::udp;
 constexpr double kSenderTimeout_s = 2;
 constexpr std::chrono::seconds kTick{1};
+constexpr std::size_t kMaxWaiting_bytes = 2048;  // 0.2 s at 115200 baud
 
 }  // namespace
 
@@ -38,6 +39,7 @@ struct Port::State {
   void receive_serial();
   void wait_for_tick();
   void send(const std::vector<std::uint8_t>& bytes);
+  void write_serial();
   [[nodiscard]] bool accepts_sender(Timestamp now);
 
   LinkAddress address;
@@ -52,6 +54,7 @@ struct Port::State {
   udp::endpoint sender;
   std::optional<udp::endpoint> peer;
   Timestamp peer_heard;
+  std::vector<std::uint8_t> waiting, writing;  // bytes for the serial port
   std::thread thread;
 };
 
@@ -125,14 +128,26 @@ void Port::State::wait_for_tick() {
   });
 }
 
-// A full buffer or an absent peer drops the bytes; the next estimate is newer anyway.
+// What the link cannot carry is dropped: the next estimate is newer anyway.
 void Port::State::send(const std::vector<std::uint8_t>& bytes) {
-  asio::error_code ignored;
   if (address.kind == LinkAddress::Kind::serial) {
-    if (serial.is_open()) asio::write(serial, asio::buffer(bytes), ignored);
+    if (!serial.is_open() || waiting.size() + bytes.size() > kMaxWaiting_bytes) return;
+    waiting.insert(waiting.end(), bytes.begin(), bytes.end());
+    if (writing.empty()) write_serial();
   } else if (peer) {
+    asio::error_code ignored;
     socket.send_to(asio::buffer(bytes), *peer, 0, ignored);
   }
+}
+
+void Port::State::write_serial() {
+  writing.swap(waiting);
+  asio::async_write(serial, asio::buffer(writing),
+                    [this](const asio::error_code& error, std::size_t /*size*/) {
+                      writing.clear();
+                      if (error) return waiting.clear();
+                      if (!waiting.empty()) write_serial();
+                    });
 }
 
 Port::Port(const LinkAddress& address, const std::string& key, Receive receive, Tick tick)

@@ -101,6 +101,15 @@ TEST(FlightEstimator, BarometerIsAlignedToTheInitialHeight) {
   }
 }
 
+TEST(FlightEstimator, WaitsForAnImuThatIsNotSilent) {
+  FlightEstimator estimator(config_with({.imu = ImuMessage::scaled}, 20));
+  EXPECT_TRUE(estimator.has_imu_until(at_ms(0)));
+  receive(estimator, mavlink::ScaledImu{.zacc = -1000}, 10);
+  EXPECT_TRUE(estimator.has_imu_until(at_ms(10)));
+  EXPECT_FALSE(estimator.has_imu_until(at_ms(11)));
+  EXPECT_TRUE(estimator.has_imu_until(at_ms(600)));
+}
+
 TEST(FlightEstimator, SameInputsGiveTheSameEstimates) {
   const FlyConfig config = config_with({.height = HeightMessage::distance_sensor}, 20);
   FlightEstimator first(config), second(config);

@@ -1,6 +1,9 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "geometry/fields.hpp"
@@ -42,6 +45,23 @@ TEST(AutopilotLink, TwoPeersExchangeMessagesAndAnswerTimesync) {
   ASSERT_TRUE(origin);
   EXPECT_EQ(origin->latitude, 470'000'000);
   EXPECT_EQ(origin->altitude, 400'000);
+}
+
+TEST(AutopilotLink, SerialPortReceivesWhileNobodyReadsWhatItSends) {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(grantpt(terminal), 0);
+  ASSERT_EQ(unlockpt(terminal), 0);
+  AutopilotLink link({.kind = LinkAddress::Kind::serial, .host = ptsname(terminal), .baud = 57'600},
+                     1, std::nullopt);
+  for (int i = 0; i < 2000; ++i) link.send(mavlink::HighresImu{.xacc = 1, .zgyro = 1});
+  mavlink::Sender sender;
+  const mavlink::PacketBytes packet = mavlink::encode(mavlink::RawImu{.time_usec = 7}, sender);
+  ASSERT_EQ(write(terminal, packet.bytes().data(), packet.bytes().size()),
+            static_cast<ssize_t>(packet.bytes().size()));
+  const auto received = wait_for<mavlink::RawImu>(link);
+  EXPECT_TRUE(received && received->time_usec == 7);
+  close(terminal);
 }
 
 TEST(AutopilotLink, OccupiedPortIsAnInputError) {

@@ -137,7 +137,7 @@ TEST(MavlinkParser, SkipsUnknownMessagesAndCountsLostOnes) {
   Sender sender;
   std::vector<std::uint8_t> bytes = heartbeat_bytes(sender);
   const std::vector<std::uint8_t> payload(40, 0xfd);
-  for (const std::uint8_t byte : pack(30, payload, 39, sender).bytes()) bytes.push_back(byte);
+  for (const std::uint8_t byte : bytes_of(pack(30, payload, 39, sender))) bytes.push_back(byte);
   sender.sequence = static_cast<std::uint8_t>(sender.sequence + 3);
   for (const std::uint8_t byte : heartbeat_bytes(sender)) bytes.push_back(byte);
   Parser parser;

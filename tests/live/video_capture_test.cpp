@@ -15,6 +15,7 @@ extern "C" {
 #include <fstream>
 #include <iterator>
 #include <mutex>
+#include <opencv2/core.hpp>
 #include <thread>
 
 #include "live/clock/local_clock.hpp"
