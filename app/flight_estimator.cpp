@@ -25,6 +25,32 @@ void discard(TimeSeries<Value>& series, Timestamp before) {
   series.values.erase(series.values.begin(), series.values.begin() + end);
 }
 
+// The last reading counts as one at `stamp` if it is recent.
+template <typename Value>
+void hold_until(TimeSeries<Value>& series, Timestamp stamp) {
+  constexpr double kMaxAge_s = 0.25;
+  if (series.stamps.empty() || series.stamps.back() >= stamp ||
+      seconds_between(series.stamps.back(), stamp) > kMaxAge_s) {
+    return;
+  }
+  append(series, stamp, Value(series.values.back()));
+}
+
+// Readings of the initial state.
+SensorLog held_until(SensorLog sensors, Timestamp stamp) {
+  hold_until(sensors.attitude, stamp);
+  hold_until(sensors.height_m, stamp);
+  return sensors;
+}
+
+// False if a reading at or after `stamp` is expected.
+bool reaches(const std::vector<Timestamp>& stamps, Timestamp stamp) {
+  constexpr double kMaxInterval_s = 0.05, kSilent_s = 0.5;
+  const std::optional<double> interval_s = median_interval_s(stamps);
+  return !interval_s || *interval_s > kMaxInterval_s || stamps.back() >= stamp ||
+         seconds_between(stamps.back(), stamp) > kSilent_s;
+}
+
 HeightSource height_source_of(HeightMessage message) {
   switch (message) {
     case HeightMessage::distance_sensor:
@@ -72,7 +98,7 @@ void FlightEstimator::add(const mavlink::SensorSample& sample) {
 
 bool FlightEstimator::is_ready(Timestamp stamp) const {
   if (navigator_) return true;
-  const SensorReadings readings = readings_between(sensors_, stamp, stamp);
+  const SensorReadings readings = readings_between(held_until(sensors_, stamp), stamp, stamp);
   const TelemetryConfig& telemetry = config_.live.telemetry;
   const bool needs_height =
       telemetry.height == HeightMessage::global_position ||
@@ -80,20 +106,18 @@ bool FlightEstimator::is_ready(Timestamp stamp) const {
   return (!telemetry.attitude || readings.attitude) && (!needs_height || readings.height_m);
 }
 
-bool FlightEstimator::has_imu_until(Timestamp stamp) const {
-  constexpr double kSilent_s = 0.5;
-  const std::vector<Timestamp>& stamps = sensors_.imu.stamps;
-  return stamps.empty() || stamps.back() >= stamp ||
-         seconds_between(stamps.back(), stamp) > kSilent_s;
+bool FlightEstimator::has_telemetry_until(Timestamp stamp) const {
+  return reaches(sensors_.imu.stamps, stamp) && reaches(sensors_.attitude.stamps, stamp);
 }
 
 void FlightEstimator::initialize(const Frame& first) {
   RunConfig run = run_config_of(config_);
   inputs_ = read_flight_inputs(run, first);
   run.height.source = height_source_of(config_.live.telemetry.height);
-  inputs_->initial = initial_state(run, inputs_->truth, sensors_, first.stamp);
+  const SensorLog sensors = held_until(sensors_, first.stamp);
+  inputs_->initial = initial_state(run, inputs_->truth, sensors, first.stamp);
   if (run.height.source == HeightSource::barometer) {
-    const SensorReadings readings = readings_between(sensors_, first.stamp, first.stamp);
+    const SensorReadings readings = readings_between(sensors, first.stamp, first.stamp);
     height_offset_m_ =
         inputs_->initial.world_from_body.translation.z() - readings.height_m.value_or(0);
     for (double& height_m : sensors_.height_m.values) height_m += height_offset_m_;

@@ -22,8 +22,9 @@ class FlightEstimator {
   /// False before the first frame while telemetry that defines the initial state is missing.
   [[nodiscard]] bool is_ready(Timestamp stamp) const;
 
-  /// True once the IMU's readings reach the stamp, or if there is no IMU or it is silent.
-  [[nodiscard]] bool has_imu_until(Timestamp stamp) const;
+  /// True once the readings of IMU and attitude reach the stamp. Those of a sensor that is absent,
+  /// silent or slower than 20 Hz are not expected.
+  [[nodiscard]] bool has_telemetry_until(Timestamp stamp) const;
 
   /// Estimate of a frame, gravity-aligned. The first frame sets the initial state. Throws
   /// InputError on an invalid calibration or initial state.

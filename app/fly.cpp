@@ -106,7 +106,7 @@ class Flight {
     while (!interrupted() && !capture_->has_ended()) {
       const std::optional<CapturedFrame> captured = capture_->next(kWait_s);
       receive_telemetry();
-      if (captured) wait_for_imu(captured->frame.stamp);
+      if (captured) wait_for_telemetry(captured->frame.stamp);
       if (captured) step(*captured);
       report_record_failure();
     }
@@ -141,10 +141,10 @@ class Flight {
   }
 
   // Readings up to the frame's stamp, which may arrive after the frame.
-  void wait_for_imu(Timestamp stamp) {
+  void wait_for_telemetry(Timestamp stamp) {
     constexpr std::chrono::milliseconds kStep{1};
     constexpr int kMaxSteps = 50;
-    for (int i = 0; i < kMaxSteps && !estimator_.has_imu_until(stamp); ++i) {
+    for (int i = 0; i < kMaxSteps && !estimator_.has_telemetry_until(stamp); ++i) {
       std::this_thread::sleep_for(kStep);
       receive_telemetry();
     }

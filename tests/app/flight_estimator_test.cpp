@@ -81,7 +81,8 @@ TEST(FlightEstimator, IsReadyOnceTheInitialStateHasArrived) {
   EXPECT_FALSE(estimator.is_ready(at_ms(50)));
   const AttitudeQuaternion nose_up{.q1 = std::cos(0.05f), .q3 = std::sin(0.05f)};
   receive(estimator, nose_up, 0);
-  EXPECT_FALSE(estimator.is_ready(at_ms(50)));
+  EXPECT_TRUE(estimator.is_ready(at_ms(50)));
+  EXPECT_FALSE(estimator.is_ready(at_ms(400)));
   receive(estimator, nose_up, 100);
   ASSERT_TRUE(estimator.is_ready(at_ms(50)));
   const NavigationEstimate first = estimator.step(frame_at(50));
@@ -101,13 +102,18 @@ TEST(FlightEstimator, BarometerIsAlignedToTheInitialHeight) {
   }
 }
 
-TEST(FlightEstimator, WaitsForAnImuThatIsNotSilent) {
+TEST(FlightEstimator, ExpectsReadingsOfSensorsThatAreFastAndNotSilent) {
   FlightEstimator estimator(config_with({.imu = ImuMessage::scaled}, 20));
-  EXPECT_TRUE(estimator.has_imu_until(at_ms(0)));
+  EXPECT_TRUE(estimator.has_telemetry_until(at_ms(0)));
+  receive(estimator, mavlink::ScaledImu{.zacc = -1000}, 5);
   receive(estimator, mavlink::ScaledImu{.zacc = -1000}, 10);
-  EXPECT_TRUE(estimator.has_imu_until(at_ms(10)));
-  EXPECT_FALSE(estimator.has_imu_until(at_ms(11)));
-  EXPECT_TRUE(estimator.has_imu_until(at_ms(600)));
+  EXPECT_TRUE(estimator.has_telemetry_until(at_ms(10)));
+  EXPECT_FALSE(estimator.has_telemetry_until(at_ms(11)));
+  EXPECT_TRUE(estimator.has_telemetry_until(at_ms(600)));
+  FlightEstimator slow(config_with({.imu = ImuMessage::scaled}, 20));
+  receive(slow, mavlink::ScaledImu{.zacc = -1000}, 0);
+  receive(slow, mavlink::ScaledImu{.zacc = -1000}, 100);
+  EXPECT_TRUE(slow.has_telemetry_until(at_ms(110)));
 }
 
 TEST(FlightEstimator, SameInputsGiveTheSameEstimates) {
