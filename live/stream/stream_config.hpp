@@ -32,7 +32,7 @@ struct StreamConfig {
         "latency_s", self.latency_s, Range{0, 10},
         "constant delay from exposure to arrival, subtracted from the arrival on the local clock");
     field("timeout_s", self.timeout_s, Range{0.1, 60},
-          "silence after which the source is opened again");
+          "silence after which the source is opened again; not for standard input");
   }
 };
 

@@ -12,6 +12,7 @@ extern "C" {
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include "geometry/fields.hpp"
@@ -146,8 +147,11 @@ StreamStatus VideoStream::read(AVPacket& packet) {
   }
 }
 
+// A pause of standard input is no end: it cannot be opened again.
 void VideoStream::set_deadline(double wait_s) {
-  deadline_ns_ = Clock::now().time_since_epoch().count() + std::llround(1e9 * wait_s);
+  deadline_ns_ = config_.path == "-"
+                     ? std::numeric_limits<std::int64_t>::max()
+                     : Clock::now().time_since_epoch().count() + std::llround(1e9 * wait_s);
 }
 
 int VideoStream::is_over(void* self) {

@@ -22,7 +22,8 @@ class StreamError : public std::runtime_error {
 
 enum class StreamStatus { packet, silent, ended };
 
-/// Coded video packets of an open live source. Reading blocks at most for the time-out.
+/// Coded video packets of an open live source. Reading blocks at most for the time-out,
+/// from standard input until its end.
 class VideoStream {
  public:
   /// Opens the source and waits for its first key frame. `stop` set by another thread ends every
