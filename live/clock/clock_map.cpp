@@ -30,7 +30,7 @@ FilteredStamp ClockMap::map(std::int64_t sender_ns, Timestamp arrival) {
   const auto x_of = [&] { return 1e-9 * static_cast<double>(sender_ns - first_sender_ns_); };
   const auto y_of = [&] { return seconds_between(first_arrival_, arrival) - x_of(); };
   if (buckets_.empty() || has_stepped(x_of(), y_of())) restart(sender_ns, arrival);
-  const double x_s = x_of();
+  const double x_s = last_x_s_ = x_of();
   add(x_s, y_of());
   fit();
   const Sums all = sums();
@@ -48,6 +48,7 @@ double ClockMap::mean_delay_s() const {
 }
 
 bool ClockMap::has_stepped(double x_s, double y_s) {
+  if (x_s < last_x_s_ - kStep_s) return true;
   const double delay_s = y_s - line_s(x_s);
   if (delay_s < kStep_s) late_since_s_.reset();
   if (delay_s < -kStep_s) return true;

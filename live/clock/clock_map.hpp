@@ -18,7 +18,8 @@ namespace stillkite {
 /// the s_k. The mapped stamp s + line(s) is later than the true one by d, which delays alone cannot
 /// show: set it as a constant latency.
 ///
-/// Restarts if the sender's clock steps: a stamp one second too early, or late for five seconds.
+/// Restarts if the sender's clock steps: a stamp one second before the previous one, one second too
+/// early for its arrival, or late for five seconds.
 class ClockMap {
  public:
   /// `sender_ns`: the sender's stamp, ns since any epoch. `arrival`: local monotonic clock, in the
@@ -53,6 +54,7 @@ class ClockMap {
   std::int64_t first_sender_ns_ = 0;
   Timestamp first_arrival_;
   std::deque<Bucket> buckets_;
+  double last_x_s_ = 0;
   std::optional<double> late_since_s_;  // sender time
   double offset_s_ = 0, slope_ = 0;     // line y = offset + slope x
   std::int64_t restarts_ = -1;
