@@ -1,5 +1,7 @@
 #include "live/link/port.hpp"
 
+#include <sys/ioctl.h>
+
 #include <array>
 #include <asio/buffer.hpp>
 #include <asio/io_context.hpp>
@@ -71,6 +73,7 @@ void Port::State::open_udp() {
     if (!error) socket.open(udp::v4(), error);
     if (!error) socket.bind({udp::v4(), 0}, error);
   }
+  if (!error) socket.non_blocking(true, error);  // a full buffer drops the datagram
   if (!error) return;
   throw InputError(key + ": udp://" + address.host + ":" + std::to_string(address.port) +
                    " cannot be opened: " + error.message() + "; choose another port or host");
@@ -80,10 +83,16 @@ bool Port::State::open_serial() {
   asio::error_code error;
   serial.open(address.host, error);
   if (error) return false;
-  serial.set_option(asio::serial_port::baud_rate(address.baud), error);
-  serial.set_option(asio::serial_port::character_size(8), error);
-  serial.set_option(asio::serial_port::flow_control(asio::serial_port::flow_control::none), error);
-  return true;
+  const auto set = [&](const auto& option) {
+    if (!error) serial.set_option(option, error);
+  };
+  set(asio::serial_port::baud_rate(address.baud));
+  set(asio::serial_port::character_size(8));
+  set(asio::serial_port::flow_control(asio::serial_port::flow_control::none));
+  if (!error && ioctl(serial.native_handle(), TIOCEXCL) == 0) return true;
+  asio::error_code ignored;
+  serial.close(ignored);
+  return false;
 }
 
 bool Port::State::accepts_sender(Timestamp now) {
@@ -155,8 +164,10 @@ Port::Port(const LinkAddress& address, const std::string& key, Receive receive, 
   if (address.kind == LinkAddress::Kind::udp) {
     state_->open_udp();
   } else if (!state_->open_serial()) {
-    throw InputError(key + ": " + address.host +
-                     " cannot be opened; check the device and the permission to read and write it");
+    throw InputError(
+        key + ": " + address.host +
+        " cannot be opened; check the device, its baud rate, and the permission to read and "
+        "write it; no other program may use it");
   }
 }
 
