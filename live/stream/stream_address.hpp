@@ -10,8 +10,11 @@ enum class StreamKind { standard_input, device, rtsp, rtp, udp, sdp };
 struct StreamAddress {
   StreamKind kind = StreamKind::udp;
   std::string url;   ///< of libavformat; path of a device or file
-  std::string name;  ///< for messages: without user and password
+  std::string name;  ///< for messages: without user, password and query
 };
+
+/// The path without user and password, unless those are environment variables.
+[[nodiscard]] std::string without_password(const std::string& path);
 
 /// Throws InputError if the text is no address of a live source.
 [[nodiscard]] StreamAddress parse_stream_address(const std::string& path);

@@ -70,6 +70,13 @@ void VideoCapture::capture_all() {
       pause_s = kFirstPause_s;
       capture_session(stream);
       problem = reopens_ ? "connection lost" : "end of input";
+    } catch (const AccessError& error) {
+      problem = error.what();
+      // more attempts would lock the account; after a connection the cause is another
+      if (sessions_ == 0) {
+        failure_ = std::make_exception_ptr(InputError(fmt::format("{}: {}", name_, problem)));
+        break;
+      }
     } catch (const StreamError& error) {
       problem = error.what();
     } catch (...) {

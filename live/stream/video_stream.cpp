@@ -14,6 +14,7 @@ extern "C" {
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <thread>
 
 #include "geometry/fields.hpp"
 
@@ -23,7 +24,18 @@ namespace {
 constexpr double kProbe_s = 5;  // for the first key frame
 constexpr int kPoll_ms = 50;
 
+// Cause and, where libav's text is not enough, remedy.
 std::string error_text(int error) {
+  switch (error) {
+    case AVERROR(EIO):
+      return "no connection; check host, port and network";
+    case AVERROR_EXIT:
+      return "no video in time; check that the sender runs";
+    case AVERROR_INVALIDDATA:
+      return "no video of a known format";
+    default:
+      break;
+  }
   std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
   av_strerror(error, text.data(), text.size());
   return text.data();
@@ -115,6 +127,7 @@ void VideoStream::open(const StreamAddress& address) {
     context->pb = input_.get();
   } else if (address.kind == StreamKind::device) {
     avdevice_register_all();
+    context->flags |= AVFMT_FLAG_NONBLOCK;  // a read that waits for an image cannot be interrupted
     format = av_find_input_format("v4l2");
   } else if (address.kind == StreamKind::udp) {
     format = av_find_input_format("mpegts");
@@ -123,7 +136,11 @@ void VideoStream::open(const StreamAddress& address) {
   set_options(options, config_, address.kind);
   const std::string url = address.kind == StreamKind::standard_input ? "" : address.url;
   const int error = avformat_open_input(&context, url.c_str(), format, options.get());
-  if (error < 0) throw StreamError(error_text(error));  // the context is freed
+  // the context is freed
+  if (error == AVERROR_HTTP_UNAUTHORIZED || error == AVERROR_HTTP_FORBIDDEN) {
+    throw AccessError(error_text(error) + "; check user and password in source.path");
+  }
+  if (error < 0) throw StreamError(error_text(error));
   container_.reset(context);
 }
 
@@ -141,7 +158,9 @@ StreamStatus VideoStream::read(AVPacket& packet) {
       av_packet_unref(&packet);
     } else if (is_silent_) {
       return StreamStatus::silent;
-    } else if (error != AVERROR(EAGAIN)) {
+    } else if (error == AVERROR(EAGAIN)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    } else {
       return StreamStatus::ended;
     }
   }

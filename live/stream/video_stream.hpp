@@ -20,6 +20,12 @@ class StreamError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The source refuses user and password.
+class AccessError : public StreamError {
+ public:
+  using StreamError::StreamError;
+};
+
 enum class StreamStatus { packet, silent, ended };
 
 /// Coded video packets of an open live source. Reading blocks at most for the time-out,
@@ -27,7 +33,7 @@ enum class StreamStatus { packet, silent, ended };
 class VideoStream {
  public:
   /// Opens the source and waits for its first key frame. `stop` set by another thread ends every
-  /// wait. Throws StreamError.
+  /// wait. Throws StreamError or AccessError.
   VideoStream(const StreamConfig& config, const std::atomic<bool>& stop);
   ~VideoStream();
   VideoStream(const VideoStream&) = delete;

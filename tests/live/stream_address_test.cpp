@@ -22,10 +22,20 @@ TEST(StreamAddress, HasTheKindOfItsScheme) {
 TEST(StreamAddress, NameHasNoCredentials) {
   EXPECT_EQ(parse_stream_address("rtsp://user:pa@ss@camera:554/1").name, "rtsp://camera:554/1");
   EXPECT_EQ(parse_stream_address("rtsp://camera/a@b").name, "rtsp://camera/a@b");
+  EXPECT_EQ(parse_stream_address("rtsp://camera/1?password=x").name, "rtsp://camera/1");
+}
+
+TEST(StreamAddress, RecordKeepsVariablesButNoPassword) {
+  EXPECT_EQ(without_password("rtsp://user:secret@camera/1"), "rtsp://camera/1");
+  EXPECT_EQ(without_password("rtsp://user:${PASSWORD}@camera/1"),
+            "rtsp://user:${PASSWORD}@camera/1");
+  EXPECT_EQ(without_password("-"), "-");
+  EXPECT_EQ(without_password("v4l2:/dev/video0"), "v4l2:/dev/video0");
 }
 
 TEST(StreamAddress, RejectsFilesAndEmptyHosts) {
-  for (const char* path : {"", "flight.mp4", "http://camera", "rtsp://"}) {
+  for (const char* path :
+       {"", "flight.mp4", "http://camera", "rtsp://", "udp://127.0.0.1", "rtp://host:/"}) {
     EXPECT_THROW(static_cast<void>(parse_stream_address(path)), InputError) << path;
   }
 }
