@@ -30,6 +30,14 @@ int create(const fs::path& file) {
 FlightRecord::FlightRecord(const fs::path& folder) : folder_(folder) {
   std::error_code failure;
   fs::create_directories(folder, failure);
+  if (!failure && !fs::is_empty(folder, failure) && !failure) {
+    throw InputError(folder.string() +
+                     ": has files already; choose a new folder for the record with --out");
+  }
+  if (failure) {
+    throw InputError(fmt::format("{}: cannot be created: {}; choose another folder with --out",
+                                 folder.string(), failure.message()));
+  }
   for (std::size_t i = 0; i < kFiles; ++i) descriptors_[i] = create(folder / kNames[i]);
   append(sessions, sessions_header());
   append(packets, packets_header());

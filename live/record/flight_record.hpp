@@ -19,7 +19,7 @@ namespace stillkite {
 /// system after milliseconds and on disk after a second. Thread-safe.
 class FlightRecord {
  public:
-  /// Creates the folder. Throws InputError if it has a flight already or is not writable.
+  /// Creates the folder. Throws InputError if it has files already or is not writable.
   explicit FlightRecord(const std::filesystem::path& folder);
   /// Writes everything added before.
   ~FlightRecord();

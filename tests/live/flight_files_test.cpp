@@ -92,5 +92,12 @@ TEST_F(FlightFiles, FolderWithAFlightIsAnInputError) {
   EXPECT_THROW(const FlightRecord record(folder), InputError);
 }
 
+TEST_F(FlightFiles, FolderWithOtherFilesIsAnInputErrorAndStaysAsItIs) {
+  fs::create_directories(folder);
+  append(kEstimatesFile, "1\n");
+  EXPECT_THROW(const FlightRecord record(folder), InputError);
+  EXPECT_FALSE(fs::exists(folder / kSessionsFile));
+}
+
 }  // namespace
 }  // namespace stillkite
