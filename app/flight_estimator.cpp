@@ -67,7 +67,7 @@ HeightSource height_source_of(HeightMessage message) {
 
 FlightEstimator::FlightEstimator(FlyConfig config)
     : config_(std::move(config)),
-      telemetry_(config_.live.telemetry),
+      telemetry_(config_.live.telemetry, static_cast<std::uint8_t>(config_.live.system_id)),
       body_from_autopilot_(config_.imu.rotation_wxyz
                                ? unit_quaternion(*config_.imu.rotation_wxyz, "imu.rotation_wxyz")
                                : Eigen::Quaterniond::Identity()) {
@@ -79,6 +79,12 @@ FlightEstimator::FlightEstimator(FlyConfig config)
 
 void FlightEstimator::receive(const mavlink::Packet& packet, Timestamp arrival) {
   if (const auto sample = telemetry_.read(packet, arrival)) add(*sample);
+  if (!oldest_kept_) oldest_kept_ = arrival;
+  // without video no frame discards readings
+  constexpr double kKept_s = 10;
+  if (seconds_between(*oldest_kept_, arrival) < 2 * kKept_s) return;
+  oldest_kept_ = Timestamp{arrival.ns - from_seconds(kKept_s).ns};
+  discard_before(*oldest_kept_);
 }
 
 void FlightEstimator::add(const mavlink::SensorSample& sample) {
@@ -140,14 +146,13 @@ NavigationEstimate FlightEstimator::step(const Frame& frame) {
   NavigationEstimate estimate =
       navigator_->step(masked, readings_between(sensors_, before, frame.stamp));
   last_frame_ = frame.stamp;
-  discard_before(frame.stamp);
+  // the next interval begins at this stamp and needs the readings around it
+  constexpr double kKept_s = 2;
+  discard_before({frame.stamp.ns - from_seconds(kKept_s).ns});
   return gravity_aligned(std::move(estimate));
 }
 
-// The next interval begins at this stamp and needs the readings around it.
-void FlightEstimator::discard_before(Timestamp stamp) {
-  constexpr double kKept_s = 2;
-  const Timestamp oldest{stamp.ns - from_seconds(kKept_s).ns};
+void FlightEstimator::discard_before(Timestamp oldest) {
   discard(sensors_.imu, oldest);
   discard(sensors_.angular_rate_in_body_rad_s, oldest);
   discard(sensors_.attitude, oldest);

@@ -38,12 +38,13 @@ class FlightEstimator {
  private:
   void add(const mavlink::SensorSample& sample);
   void initialize(const Frame& first);
-  void discard_before(Timestamp stamp);
+  void discard_before(Timestamp oldest);
 
   FlyConfig config_;
   mavlink::Telemetry telemetry_;
   Eigen::Quaterniond body_from_autopilot_;
-  SensorLog sensors_;  // last seconds
+  SensorLog sensors_;                     // last seconds
+  std::optional<Timestamp> oldest_kept_;  // telemetry of a flight without frames
   double height_offset_m_ = 0;
   std::optional<FlightInputs> inputs_;
   std::optional<Navigator> navigator_;

@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint8_t kDown = 25;  // MAV_SENSOR_ROTATION_PITCH_270
 constexpr double kGravity_m_s2 = 9.80665;
 constexpr std::int64_t kNsPerMs = 1'000'000, kNsPerUs = 1000;
+constexpr std::uint64_t kMaxTime_us = 1ULL << 52;  // since 1970, until 2112
 
 struct RawSample {
   std::int64_t sender_ns = 0;
@@ -36,13 +37,13 @@ std::optional<RawSample> scaled_imu(const Packet& packet) {
 
 std::optional<RawSample> raw_imu(const Packet& packet) {
   const auto message = decode<RawImu>(packet);
-  if (!message) return std::nullopt;
+  if (!message || message->time_usec > kMaxTime_us) return std::nullopt;
   return scaled_sample(*message, kNsPerUs * static_cast<std::int64_t>(message->time_usec), false);
 }
 
 std::optional<RawSample> highres_imu(const Packet& packet) {
   const auto message = decode<HighresImu>(packet);
-  if (!message) return std::nullopt;
+  if (!message || message->time_usec > kMaxTime_us) return std::nullopt;
   return RawSample{kNsPerUs * static_cast<std::int64_t>(message->time_usec), false,
                    Eigen::Vector3d(message->xgyro, message->ygyro, message->zgyro),
                    Eigen::Vector3d(message->xacc, message->yacc, message->zacc)};
@@ -76,6 +77,7 @@ bool is_newer(Timestamp stamp, std::optional<Timestamp>& last) {
 }  // namespace
 
 std::optional<SensorSample> Telemetry::read(const Packet& packet, Timestamp arrival) {
+  if (packet.system != system_id_ || packet.component != kAutopilot) return std::nullopt;
   update_round_trip(packet, arrival);
   if (auto sample = read_imu(packet, arrival)) return sample;
   if (auto sample = read_attitude(packet, arrival)) return sample;
@@ -123,7 +125,10 @@ std::optional<SensorSample> Telemetry::read_height(const Packet& packet, Timesta
   std::int64_t sender_ns = 0;
   if (config_.height == HeightMessage::distance_sensor) {
     const auto message = decode<DistanceSensor>(packet);
-    if (!message || message->orientation != kDown) return std::nullopt;
+    constexpr std::uint8_t kInvalidSignal = 1;
+    if (!message || message->orientation != kDown || message->signal_quality == kInvalidSignal) {
+      return std::nullopt;
+    }
     // outside its range the sensor has no echo
     if (message->current_distance <= message->min_distance ||
         message->current_distance >= message->max_distance) {

@@ -12,6 +12,8 @@
 
 namespace stillkite::mavlink {
 
+inline constexpr std::uint8_t kAutopilot = 1;  ///< MAV_COMP_ID_AUTOPILOT1
+
 // Sensor readings in the body's axes (forward, left, up), on the local clock.
 
 struct ImuSample {
@@ -30,11 +32,13 @@ struct HeightSample {
 };
 using SensorSample = std::variant<ImuSample, AttitudeSample, HeightSample>;
 
-/// Reads the sensor messages of an autopilot. Their stamps are mapped to the local clock by the
+/// Reads the sensor messages of one autopilot, component 1 of its system. Gimbals, other vehicles
+/// and ground stations on the link are ignored. Stamps are mapped to the local clock by the
 /// smallest delay (ClockMap), less half of the shortest TIMESYNC round trip.
 class Telemetry {
  public:
-  explicit Telemetry(const TelemetryConfig& config) : config_(config) {}
+  Telemetry(const TelemetryConfig& config, std::uint8_t system_id)
+      : config_(config), system_id_(system_id) {}
 
   /// Reading of a packet; nullopt if the configuration does not use its message, or if the reading
   /// is invalid or not newer than the last of its kind.
@@ -49,6 +53,7 @@ class Telemetry {
                                    Timestamp arrival) const;
 
   TelemetryConfig config_;
+  std::uint8_t system_id_;
   ClockMap boot_clock_, usec_clock_;  // of time_boot_ms and time_usec
   std::int64_t round_trip_ns_ = 0;    // shortest; 0: unknown
   std::optional<Timestamp> last_imu_, last_attitude_, last_height_;

@@ -44,7 +44,7 @@ Timestamp at_ms(std::int64_t t_ms) {
 template <mavlink::Message M>
 void receive(FlightEstimator& estimator, M message, std::int64_t t_ms) {
   message.time_boot_ms = static_cast<std::uint32_t>(t_ms);
-  mavlink::Sender sender;
+  mavlink::Sender sender{.component = 1};
   mavlink::Parser parser;
   parser.add(mavlink::encode(message, sender).bytes());
   estimator.receive(parser.next().value(), at_ms(t_ms));

@@ -10,8 +10,7 @@ namespace stillkite::mavlink {
 namespace {
 
 template <Message M>
-Packet packet_of(const M& message) {
-  Sender sender;
+Packet packet_of(const M& message, Sender sender = {.component = 1}) {
   Parser parser;
   parser.add(encode(message, sender).bytes());
   return parser.next().value();
@@ -20,7 +19,7 @@ Packet packet_of(const M& message) {
 constexpr Timestamp kArrival{5'000'000'000};
 
 TEST(Telemetry, ReadsHighresImuInForwardLeftUpAxes) {
-  Telemetry telemetry({.imu = ImuMessage::highres});
+  Telemetry telemetry({.imu = ImuMessage::highres}, 1);
   const auto sample = telemetry.read(packet_of(HighresImu{.time_usec = 100,
                                                           .xacc = 1,
                                                           .yacc = 2,
@@ -37,7 +36,7 @@ TEST(Telemetry, ReadsHighresImuInForwardLeftUpAxes) {
 
 TEST(Telemetry, ReadsScaledAndRawImuInMilliUnits) {
   const auto rest_of = [](const auto& message, ImuMessage kind) {
-    Telemetry telemetry({.imu = kind});
+    Telemetry telemetry({.imu = kind}, 1);
     return std::get<ImuSample>(telemetry.read(packet_of(message), kArrival).value());
   };
   ScaledImu2 second;
@@ -50,13 +49,13 @@ TEST(Telemetry, ReadsScaledAndRawImuInMilliUnits) {
 }
 
 TEST(Telemetry, ReadsOnlyTheConfiguredMessage) {
-  Telemetry telemetry({.imu = ImuMessage::highres});
+  Telemetry telemetry({.imu = ImuMessage::highres}, 1);
   EXPECT_FALSE(telemetry.read(packet_of(ScaledImu{.zacc = -1000}), kArrival));
   EXPECT_FALSE(telemetry.read(packet_of(AttitudeQuaternion{.q1 = 1}), kArrival));
 }
 
 TEST(Telemetry, ReadsAttitudeInForwardLeftUpAxes) {
-  Telemetry telemetry({.attitude = true});
+  Telemetry telemetry({.attitude = true}, 1);
   const float c = std::cos(0.1f), s = std::sin(0.1f);
   const auto nose_up =
       telemetry.read(packet_of(AttitudeQuaternion{.time_boot_ms = 1, .q1 = c, .q3 = s}), kArrival);
@@ -67,7 +66,7 @@ TEST(Telemetry, ReadsAttitudeInForwardLeftUpAxes) {
 }
 
 TEST(Telemetry, ReadsTheRangeFinderThatLooksDown) {
-  Telemetry telemetry({.height = HeightMessage::distance_sensor});
+  Telemetry telemetry({.height = HeightMessage::distance_sensor}, 1);
   DistanceSensor message{.time_boot_ms = 1,
                          .min_distance = 20,
                          .max_distance = 4000,
@@ -84,25 +83,44 @@ TEST(Telemetry, ReadsTheRangeFinderThatLooksDown) {
 }
 
 TEST(Telemetry, ReadsRelativeHeight) {
-  Telemetry telemetry({.height = HeightMessage::global_position});
+  Telemetry telemetry({.height = HeightMessage::global_position}, 1);
   const auto sample = telemetry.read(packet_of(GlobalPositionInt{.relative_alt = -1500}), kArrival);
   EXPECT_DOUBLE_EQ(std::get<HeightSample>(sample.value()).height_m, -1.5);
 }
 
 TEST(Telemetry, RejectsReadingsThatAreNotNewer) {
-  Telemetry telemetry({.imu = ImuMessage::highres});
+  Telemetry telemetry({.imu = ImuMessage::highres}, 1);
   const Packet packet = packet_of(HighresImu{.time_usec = 100, .zacc = -9.8f});
   EXPECT_TRUE(telemetry.read(packet, kArrival));
   EXPECT_FALSE(telemetry.read(packet, {kArrival.ns + 1000}));
 }
 
 TEST(Telemetry, RejectsReadingsThatAreNotFinite) {
-  Telemetry telemetry({.imu = ImuMessage::highres});
+  Telemetry telemetry({.imu = ImuMessage::highres}, 1);
   EXPECT_FALSE(telemetry.read(packet_of(HighresImu{.zacc = std::nanf("")}), kArrival));
 }
 
+TEST(Telemetry, IgnoresOtherSystemsAndComponents) {
+  Telemetry telemetry({.attitude = true}, 1);
+  const AttitudeQuaternion level{.q1 = 1};
+  constexpr std::uint8_t kGimbal = 154;
+  EXPECT_FALSE(telemetry.read(packet_of(level, {.system = 1, .component = kGimbal}), kArrival));
+  EXPECT_FALSE(telemetry.read(packet_of(level, {.system = 2, .component = 1}), kArrival));
+  EXPECT_TRUE(telemetry.read(packet_of(level), kArrival));
+}
+
+TEST(Telemetry, RejectsAnInvalidSignalAndAnImpossibleTime) {
+  Telemetry range({.height = HeightMessage::distance_sensor}, 1);
+  EXPECT_FALSE(range.read(
+      packet_of(DistanceSensor{
+          .max_distance = 4000, .current_distance = 1234, .orientation = 25, .signal_quality = 1}),
+      kArrival));
+  Telemetry imu({.imu = ImuMessage::highres}, 1);
+  EXPECT_FALSE(imu.read(packet_of(HighresImu{.time_usec = UINT64_MAX}), kArrival));
+}
+
 TEST(Telemetry, SubtractsHalfOfTheShortestRoundTrip) {
-  Telemetry telemetry({.imu = ImuMessage::highres});
+  Telemetry telemetry({.imu = ImuMessage::highres}, 1);
   EXPECT_FALSE(
       telemetry.read(packet_of(Timesync{.tc1 = 77, .ts1 = kArrival.ns - 4'000'000}), kArrival));
   const auto sample = telemetry.read(packet_of(HighresImu{.zacc = -9.8f}), kArrival);
