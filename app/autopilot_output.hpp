@@ -16,8 +16,12 @@ class AutopilotOutput {
   AutopilotOutput(AutopilotLink& link, const MavlinkOutputConfig& config, double max_gap_s)
       : link_(link), config_(config), resets_(max_gap_s) {}
 
-  /// Without a source of scale only texts are sent.
-  void send(const NavigationEstimate& estimate, const RigidTransform& body_from_camera);
+  /// Only texts are sent without a source of scale, and for a frame that is not measured.
+  void send(const NavigationEstimate& estimate, const RigidTransform& body_from_camera,
+            double focal_length_px);
+
+  /// Text for the operator if images have been missing for a second.
+  void report_missing_images(double silence_s);
 
  private:
   AutopilotLink& link_;

@@ -106,8 +106,13 @@ class Flight {
     while (!interrupted() && !capture_->has_ended()) {
       const std::optional<CapturedFrame> captured = capture_->next(kWait_s);
       receive_telemetry();
-      if (captured) wait_for_telemetry(captured->frame.stamp);
-      if (captured) step(*captured);
+      if (captured) {
+        wait_for_telemetry(captured->frame.stamp);
+        step(*captured);
+        last_image_ = captured->arrival;
+      } else if (autopilot_) {
+        autopilot_->report_missing_images(seconds_between(last_image_, local_now()));
+      }
       report_record_failure();
     }
     if (capture_->failure()) std::rethrow_exception(capture_->failure());
@@ -165,7 +170,10 @@ class Flight {
       return;
     }
     const NavigationEstimate estimate = estimator_.step(frame);
-    if (autopilot_) autopilot_->send(estimate, estimator_.inputs().body_from_camera);
+    const FlightInputs& inputs = estimator_.inputs();
+    if (autopilot_) {
+      autopilot_->send(estimate, inputs.body_from_camera, inputs.camera.focal_x_px);
+    }
     if (json_) json_->send(estimate);
     latency_.add(1e3 * seconds_between(captured.arrival, local_now()));
     record_.add_estimate(estimates_csv_row(estimate));
@@ -188,6 +196,7 @@ class Flight {
   std::optional<AutopilotOutput> autopilot_;
   LatencyHistogram latency_;
   std::int64_t used_ = 0, messages_ = 0;
+  Timestamp last_image_ = local_now();
   bool has_reported_wait_ = false, has_reported_failure_ = false;
   std::optional<VideoCapture> capture_;  // last: its thread uses record_ and luma_
 };

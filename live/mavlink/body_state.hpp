@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 
 #include "geometry/rigid_transform.hpp"
 #include "navigation/navigation_estimate.hpp"
@@ -18,16 +19,17 @@ struct BodyState {
   Eigen::Vector3d velocity_in_body_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_rate_in_body_rad_s = Eigen::Vector3d::Zero();
   Matrix6d twist_covariance = Matrix6d::Zero();  ///< (velocity, angular rate), both in body axes
-  double ground_distance_m = 0;                  ///< along the body's down axis
-  /// 1 to 100: percentage of inliers; -1: the frame is not measured.
-  std::int8_t quality = -1;
+  std::optional<double> ground_distance_m;       ///< along the body's down axis; empty: not above
+  std::int8_t quality = 0;                       ///< percentage of inliers, 1 to 100
   std::uint8_t reset_counter = 0;
 };
 
-/// State of a gravity-aligned estimate with a source of scale. Velocity and rate are the mean over
-/// the interval that ends at the stamp. Precondition: the scale is not `none`.
-[[nodiscard]] BodyState body_state(const NavigationEstimate& estimate,
-                                   const RigidTransform& body_from_camera,
-                                   std::uint8_t reset_counter);
+/// State of a gravity-aligned estimate. Velocity and rate are the mean over the interval that ends
+/// at the stamp. Empty unless the frame is measured (`ok` or `still`), has a source of scale, and
+/// all values are finite: PX4 uses ODOMETRY of any quality by default (EKF2_EV_QMIN 0), and
+/// ArduPilot before VISO_QUAL_MIN does, too.
+[[nodiscard]] std::optional<BodyState> body_state(const NavigationEstimate& estimate,
+                                                  const RigidTransform& body_from_camera,
+                                                  std::uint8_t reset_counter);
 
 }  // namespace stillkite::mavlink

@@ -5,6 +5,11 @@
 #include "live/mavlink/vision_output.hpp"
 
 namespace stillkite::mavlink {
+namespace {
+
+constexpr double kLasting_s = 1;
+
+}  // namespace
 
 std::uint8_t ResetCounter::update(const NavigationEstimate& estimate) {
   const bool measured = is_measured(estimate.verdict);
@@ -21,7 +26,6 @@ std::uint8_t ResetCounter::update(const NavigationEstimate& estimate) {
 }
 
 std::optional<Statustext> VerdictMonitor::update(Timestamp stamp, Verdict verdict) {
-  constexpr double kLasting_s = 1;
   const bool measured = is_measured(verdict);
   if (!since_ || measured != is_measured_) since_ = stamp;
   is_measured_ = measured;
@@ -30,6 +34,13 @@ std::optional<Statustext> VerdictMonitor::update(Timestamp stamp, Verdict verdic
   if (measured) return status_text(Severity::info, "vision: measured again");
   return status_text(Severity::warning,
                      fmt::format("vision: {} for {:.0f} s", name_of(verdict), kLasting_s));
+}
+
+std::optional<Statustext> VerdictMonitor::without_image(double silence_s) {
+  if (has_warned_ || silence_s < kLasting_s) return std::nullopt;
+  has_warned_ = true;
+  is_measured_ = false;
+  return status_text(Severity::warning, fmt::format("vision: no image for {:.0f} s", kLasting_s));
 }
 
 }  // namespace stillkite::mavlink

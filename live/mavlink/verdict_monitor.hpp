@@ -25,11 +25,13 @@ class ResetCounter {
   std::uint8_t count_ = 0;
 };
 
-/// Texts for the operator: a warning once frames have not been measured for a second, and a notice
-/// once they have been measured for a second again.
+/// Texts for the operator: a warning once frames have not been measured or have been missing for a
+/// second, and a notice once they have been measured for a second again.
 class VerdictMonitor {
  public:
   [[nodiscard]] std::optional<Statustext> update(Timestamp stamp, Verdict verdict);
+  /// While no frame arrives; `silence_s` since the last one.
+  [[nodiscard]] std::optional<Statustext> without_image(double silence_s);
 
  private:
   std::optional<Timestamp> since_;  // of the present state, measured or not

@@ -47,7 +47,7 @@ struct Odometry {
   }
 };
 
-/// Optical flow of a nadir sensor; flow_rate in rad/s about the body axes.
+/// Optical flow of a nadir sensor; flow in 0.1 px and flow_rate in rad/s about the body axes.
 struct OpticalFlow {
   static constexpr std::uint32_t kId = 100;
   static constexpr std::string_view kName = "OPTICAL_FLOW";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "geometry/euler.hpp"
@@ -32,15 +33,21 @@ std::array<float, 21> upper_triangle(const Matrix6d& P) {
 }
 
 std::uint8_t flow_quality(const BodyState& state) {
-  const int percent = std::max<int>(state.quality, 0);
-  return static_cast<std::uint8_t>(percent * kMaxFlowQuality / 100);
+  return static_cast<std::uint8_t>(state.quality * kMaxFlowQuality / 100);
 }
 
 // Rotation about the body's x and y axes with the same flow as the motion, rad/s.
 Eigen::Vector2d flow_rate_rad_s(const BodyState& state) {
   const Eigen::Vector3d& v = state.velocity_in_body_m_s;
   const Eigen::Vector3d& w = state.angular_rate_in_body_rad_s;
-  return {w.x() - v.y() / state.ground_distance_m, w.y() + v.x() / state.ground_distance_m};
+  const double d = state.ground_distance_m.value();
+  return {w.x() - v.y() / d, w.y() + v.x() / d};
+}
+
+std::int16_t to_decipixels(double pixels) {
+  using Limits = std::numeric_limits<std::int16_t>;
+  return static_cast<std::int16_t>(
+      std::lround(std::clamp(10 * pixels, double{Limits::min()}, double{Limits::max()})));
 }
 
 }  // namespace
@@ -98,30 +105,38 @@ VisionSpeedEstimate vision_speed_estimate(const BodyState& state) {
   return out;
 }
 
-OpticalFlow optical_flow(const BodyState& state) {
-  const Eigen::Vector2f flow = flow_rate_rad_s(state).cast<float>();
+std::optional<OpticalFlow> optical_flow(const BodyState& state, double interval_s,
+                                        double focal_length_px) {
+  if (!state.ground_distance_m) return std::nullopt;
+  const Eigen::Vector2d rate_rad_s = flow_rate_rad_s(state);
+  const Eigen::Vector2d flow_px = focal_length_px * interval_s * rate_rad_s;
+  const Eigen::Vector2f flow = rate_rad_s.cast<float>();
   const Eigen::Vector3f v = state.velocity_in_body_m_s.cast<float>();
-  return {.time_usec = to_us(state.stamp),
-          .flow_comp_m_x = v.x(),
-          .flow_comp_m_y = v.y(),
-          .quality = flow_quality(state),
-          .ground_distance = static_cast<float>(state.ground_distance_m),
-          .flow_rate_x = flow.x(),
-          .flow_rate_y = flow.y()};
+  return OpticalFlow{.time_usec = to_us(state.stamp),
+                     .flow_x = to_decipixels(flow_px.x()),
+                     .flow_y = to_decipixels(flow_px.y()),
+                     .flow_comp_m_x = v.x(),
+                     .flow_comp_m_y = v.y(),
+                     .quality = flow_quality(state),
+                     .ground_distance = static_cast<float>(*state.ground_distance_m),
+                     .flow_rate_x = flow.x(),
+                     .flow_rate_y = flow.y()};
 }
 
-OpticalFlowRad optical_flow_rad(const BodyState& state, double interval_s) {
+std::optional<OpticalFlowRad> optical_flow_rad(const BodyState& state, double interval_s) {
+  if (!state.ground_distance_m) return std::nullopt;
   const Eigen::Vector2f flow = (interval_s * flow_rate_rad_s(state)).cast<float>();
   const Eigen::Vector3f rotation = (interval_s * state.angular_rate_in_body_rad_s).cast<float>();
-  return {.time_usec = to_us(state.stamp),
-          .integration_time_us = static_cast<std::uint32_t>(std::lround(1e6 * interval_s)),
-          .integrated_x = flow.x(),
-          .integrated_y = flow.y(),
-          .integrated_xgyro = rotation.x(),
-          .integrated_ygyro = rotation.y(),
-          .integrated_zgyro = rotation.z(),
-          .quality = flow_quality(state),
-          .distance = static_cast<float>(state.ground_distance_m)};
+  return OpticalFlowRad{
+      .time_usec = to_us(state.stamp),
+      .integration_time_us = static_cast<std::uint32_t>(std::lround(1e6 * interval_s)),
+      .integrated_x = flow.x(),
+      .integrated_y = flow.y(),
+      .integrated_xgyro = rotation.x(),
+      .integrated_ygyro = rotation.y(),
+      .integrated_zgyro = rotation.z(),
+      .quality = flow_quality(state),
+      .distance = static_cast<float>(*state.ground_distance_m)};
 }
 
 Heartbeat heartbeat() {

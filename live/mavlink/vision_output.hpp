@@ -18,10 +18,14 @@ namespace stillkite::mavlink {
 [[nodiscard]] VisionSpeedEstimate vision_speed_estimate(const BodyState& state);
 
 /// Flow of a sensor that looks along the body's down axis: w_x - v_y / d and w_y + v_x / d, the
-/// rotation about the axis that would give the same flow. flow_x and flow_y are zero.
-[[nodiscard]] OpticalFlow optical_flow(const BodyState& state);
+/// rotation about the axis that would give the same flow. flow_x and flow_y, for ArduPilot before
+/// flow_rate, are the same in 0.1 px of the focal length over the interval since the previous
+/// estimate. Empty if the ground distance is unknown.
+[[nodiscard]] std::optional<OpticalFlow> optical_flow(const BodyState& state, double interval_s,
+                                                      double focal_length_px);
 /// The same over the interval since the previous estimate.
-[[nodiscard]] OpticalFlowRad optical_flow_rad(const BodyState& state, double interval_s);
+[[nodiscard]] std::optional<OpticalFlowRad> optical_flow_rad(const BodyState& state,
+                                                             double interval_s);
 
 [[nodiscard]] Heartbeat heartbeat();
 [[nodiscard]] SetGpsGlobalOrigin gps_origin(double latitude_deg, double longitude_deg,

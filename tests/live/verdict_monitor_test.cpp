@@ -37,6 +37,16 @@ TEST(VerdictMonitor, KeepsSilentOnShortInterruptions) {
   }
 }
 
+TEST(VerdictMonitor, WarnsOnceWithoutImages) {
+  VerdictMonitor monitor;
+  EXPECT_FALSE(monitor.update(at(0), Verdict::ok));
+  EXPECT_FALSE(monitor.without_image(0.9));
+  EXPECT_TRUE(monitor.without_image(1.1));
+  EXPECT_FALSE(monitor.without_image(5));
+  EXPECT_FALSE(monitor.update(at(6), Verdict::ok));
+  EXPECT_TRUE(monitor.update(at(7.1), Verdict::ok));
+}
+
 NavigationEstimate estimate_at(double t_s, Verdict verdict) {
   NavigationEstimate estimate;
   estimate.stamp = at(t_s);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 
 #include "geometry/euler.hpp"
@@ -10,6 +11,7 @@ namespace stillkite::mavlink {
 namespace {
 
 constexpr double kHeight_m = 10, kTolerance = 1e-6;
+constexpr double kInterval_s = 0.1, kFocalLength_px = 300;
 
 // Camera that looks down, its image's upper side forward: x right, y back, z down.
 RigidTransform nadir_camera() {
@@ -34,19 +36,23 @@ BodyState moving(const Eigen::Vector3d& velocity_m_s, const Eigen::Vector3d& rat
   NavigationEstimate estimate = at_rest();
   estimate.twist_in_camera = {.velocity_m_s = camera_from_body * velocity_m_s,
                               .angular_rate_rad_s = camera_from_body * rate_rad_s};
-  return body_state(estimate, nadir_camera(), 0);
+  return body_state(estimate, nadir_camera(), 0).value();
+}
+
+OpticalFlow flow_of(const Eigen::Vector3d& velocity_m_s, const Eigen::Vector3d& rate_rad_s) {
+  return optical_flow(moving(velocity_m_s, rate_rad_s), kInterval_s, kFocalLength_px).value();
 }
 
 BodyState at_position(const Eigen::Vector3d& position_m) {
   NavigationEstimate estimate = at_rest();
   estimate.world_from_body.translation += position_m;
-  return body_state(estimate, nadir_camera(), 0);
+  return body_state(estimate, nadir_camera(), 0).value();
 }
 
 BodyState at_attitude(const EulerAngles& angles) {
   NavigationEstimate estimate = at_rest();
   estimate.world_from_body.rotation = to_quaternion(angles);
-  return body_state(estimate, nadir_camera(), 0);
+  return body_state(estimate, nadir_camera(), 0).value();
 }
 
 // Our axis and sign of a motion, and the axis (0, 1, 2) and sign of MAVLink's.
@@ -122,23 +128,26 @@ TEST(VisionOutput, VisionSpeedEstimateIsInTheLocalFrame) {
 // positive flow_y.
 TEST(VisionOutput, OpticalFlowHasTheSignsOfTheSensorsRotation) {
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
-  const OpticalFlow forward = optical_flow(moving({1, 0, 0}, none));
+  const OpticalFlow forward = flow_of({1, 0, 0}, none);
   EXPECT_NEAR(forward.flow_rate_x, 0, kTolerance);
   EXPECT_NEAR(forward.flow_rate_y, 1 / kHeight_m, kTolerance);
+  EXPECT_EQ(forward.flow_x, 0);
+  EXPECT_EQ(forward.flow_y, 30);  // 0.1 px: 10 * 300 px * 0.1 rad/s * 0.1 s
   EXPECT_NEAR(forward.flow_comp_m_x, 1, kTolerance);
   EXPECT_NEAR(forward.ground_distance, kHeight_m, kTolerance);
   EXPECT_EQ(forward.quality, 127);
-  const OpticalFlow right = optical_flow(moving({0, -1, 0}, none));
+  const OpticalFlow right = flow_of({0, -1, 0}, none);
   EXPECT_NEAR(right.flow_rate_x, -1 / kHeight_m, kTolerance);
   EXPECT_NEAR(right.flow_rate_y, 0, kTolerance);
-  EXPECT_NEAR(optical_flow(moving({0, 0, -1}, none)).flow_rate_x, 0, kTolerance);
-  EXPECT_NEAR(optical_flow(moving(none, {1, 0, 0})).flow_rate_x, 1, kTolerance);
-  EXPECT_NEAR(optical_flow(moving(none, {0, -1, 0})).flow_rate_y, 1, kTolerance);
-  EXPECT_NEAR(optical_flow(moving(none, {0, 0, -1})).flow_rate_y, 0, kTolerance);
+  EXPECT_NEAR(flow_of({0, 0, -1}, none).flow_rate_x, 0, kTolerance);
+  EXPECT_NEAR(flow_of(none, {1, 0, 0}).flow_rate_x, 1, kTolerance);
+  EXPECT_NEAR(flow_of(none, {0, -1, 0}).flow_rate_y, 1, kTolerance);
+  EXPECT_NEAR(flow_of(none, {0, 0, -1}).flow_rate_y, 0, kTolerance);
 }
 
 TEST(VisionOutput, OpticalFlowRadIntegratesOverTheInterval) {
-  const OpticalFlowRad message = optical_flow_rad(moving({2, 0, 0}, {0.5, -0.25, -1}), 0.04);
+  const OpticalFlowRad message =
+      optical_flow_rad(moving({2, 0, 0}, {0.5, -0.25, -1}), 0.04).value();
   EXPECT_EQ(message.integration_time_us, 40'000U);
   EXPECT_NEAR(message.integrated_x, 0.04 * 0.5, kTolerance);
   EXPECT_NEAR(message.integrated_y, 0.04 * (0.25 + 2 / kHeight_m), kTolerance);
@@ -156,14 +165,14 @@ TEST(VisionOutput, VelocityIsThatOfTheBodysOrigin) {
   const Eigen::Quaterniond camera_from_body = mount.rotation.conjugate();
   estimate.twist_in_camera = {.velocity_m_s = camera_from_body * Eigen::Vector3d(0, 2, 0),
                               .angular_rate_rad_s = camera_from_body * Eigen::Vector3d(0, 0, 2)};
-  EXPECT_TRUE(body_state(estimate, mount, 0).velocity_in_body_m_s.isZero(kTolerance));
+  EXPECT_TRUE(body_state(estimate, mount, 0)->velocity_in_body_m_s.isZero(kTolerance));
 }
 
 TEST(VisionOutput, CovarianceIsTheUpperTriangleInFlippedAxes) {
   NavigationEstimate estimate = at_rest();
   estimate.pose_covariance.diagonal() << 1, 2, 3, 4, 5, 6;
   estimate.pose_covariance(0, 1) = estimate.pose_covariance(1, 0) = 0.5;
-  const Odometry message = odometry(body_state(estimate, nadir_camera(), 9));
+  const Odometry message = odometry(body_state(estimate, nadir_camera(), 9).value());
   EXPECT_EQ(message.pose_covariance[0], 1);
   EXPECT_EQ(message.pose_covariance[1], -0.5f);
   EXPECT_EQ(message.pose_covariance[6], 2);
@@ -172,13 +181,29 @@ TEST(VisionOutput, CovarianceIsTheUpperTriangleInFlippedAxes) {
   EXPECT_EQ(message.reset_counter, 9);
 }
 
-TEST(VisionOutput, QualityIsMinusOneForAPredictedFrame) {
+TEST(VisionOutput, FrameThatIsNotMeasuredHasNoState) {
   NavigationEstimate estimate = at_rest();
-  EXPECT_EQ(body_state(estimate, nadir_camera(), 0).quality, 50);
-  estimate.verdict = Verdict::lost;
-  const BodyState predicted = body_state(estimate, nadir_camera(), 0);
-  EXPECT_EQ(odometry(predicted).quality, -1);
-  EXPECT_EQ(optical_flow(predicted).quality, 0);
+  EXPECT_EQ(body_state(estimate, nadir_camera(), 0)->quality, 50);
+  for (const Verdict verdict : {Verdict::first_frame, Verdict::lost, Verdict::frozen}) {
+    estimate.verdict = verdict;
+    EXPECT_FALSE(body_state(estimate, nadir_camera(), 0));
+  }
+  estimate.verdict = Verdict::still;
+  EXPECT_EQ(body_state(estimate, nadir_camera(), 0)->quality, 100);
+  estimate.scale = ScaleSource::none;
+  EXPECT_FALSE(body_state(estimate, nadir_camera(), 0));
+}
+
+TEST(VisionOutput, EstimateThatIsNotFiniteHasNoState) {
+  NavigationEstimate estimate = at_rest();
+  estimate.pose_covariance(2, 2) = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(body_state(estimate, nadir_camera(), 0));
+}
+
+TEST(VisionOutput, FlowNeedsAGroundBelow) {
+  const BodyState below = at_position({0, 0, -2 * kHeight_m});
+  EXPECT_FALSE(optical_flow(below, kInterval_s, kFocalLength_px));
+  EXPECT_FALSE(optical_flow_rad(below, kInterval_s));
 }
 
 TEST(VisionOutput, StampIsInMicroseconds) {
