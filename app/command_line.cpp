@@ -1,6 +1,8 @@
 #include "app/command_line.hpp"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -80,9 +82,17 @@ ExitCode exit_code_of(int argc, char** argv, const std::string& version) {
   }
 }
 
+// A closed one would be given to the next file that is opened: output would end up in results.
+void open_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(descriptor, F_GETFD) < 0) static_cast<void>(open("/dev/null", O_RDWR));
+  }
+}
+
 }  // namespace
 
 int run_command_line(int argc, char** argv, const std::string& version) {
+  open_standard_descriptors();
   std::signal(SIGXFSZ, SIG_IGN);  // write() then returns an error at a file size limit
   catch_interrupts();
   const ExitCode code = exit_code_of(argc, argv, version);

@@ -3,9 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <csignal>
+#include <cstdio>
 #include <ctime>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -41,7 +44,7 @@ struct FlyArguments {
 };
 
 void report(const std::string& message) {
-  fmt::print(stderr, "stillkite: {}\n", message);
+  std::fputs(fmt::format("stillkite: {}\n", message).c_str(), stderr);
 }
 
 fs::path flight_folder(const FlyArguments& arguments) {
@@ -65,6 +68,7 @@ CalibrationConfig copied(CalibrationConfig calibration, const fs::path& folder) 
 }
 
 void write_flight_config(FlyConfig config, const fs::path& folder) {
+  config.source.path = without_password(config.source.path);
   config.calibration = copied(config.calibration, folder);
   write_file(folder / kFlightConfig, print_config(config));
 }
@@ -80,11 +84,7 @@ StreamConfig expanded(StreamConfig source) {
 class Flight {
  public:
   Flight(const FlyConfig& config, const StreamConfig& source, const fs::path& folder)
-      : record_(folder),
-        estimator_(config),
-        luma_(std::make_shared<LumaExtractor>("source.path", std::nullopt)) {
-    write_flight_config(config, folder);
-    record_.add_estimate(estimates_csv_header());
+      : estimator_(config), luma_(std::make_shared<LumaExtractor>("source.path", std::nullopt)) {
     const LiveConfig& live = config.live;
     if (live.json) json_.emplace(*live.json);
     if (live.mavlink) {
@@ -92,12 +92,19 @@ class Flight {
                     static_cast<std::uint8_t>(live.system_id), live.send.origin);
       autopilot_.emplace(*link_, live.send, config.navigator.trust.max_gap_s);
     }
+    // last: a connection or file that is missing leaves no record
+    for (const auto& file : {config.calibration.path, config.calibration.mask_path}) {
+      if (file) static_cast<void>(read_bytes(*file));
+    }
+    record_.emplace(folder);
+    write_flight_config(config, folder);
+    record_->add_estimate(estimates_csv_header());
     capture_.emplace(
         source,
         [luma = luma_](const AVFrame& image, cv::Mat recycled) {
           return luma->extract(image, std::move(recycled));
         },
-        report, &record_);
+        report, &*record_);
   }
 
   // Estimates until the end of the input or Ctrl-C.
@@ -113,12 +120,14 @@ class Flight {
       } else if (autopilot_) {
         autopilot_->report_missing_images(seconds_between(last_image_, local_now()));
       }
+      report_silence();
       report_record_failure();
     }
     if (capture_->failure()) std::rethrow_exception(capture_->failure());
   }
 
   [[nodiscard]] bool has_images() const { return capture_->counts().decoded > 0; }
+  [[nodiscard]] bool has_estimates() const { return used_ > 0; }
 
   void report_counts() {
     const CaptureCounts counts = capture_->counts();
@@ -127,6 +136,10 @@ class Flight {
     if (const auto median_ms = latency_.quantile_ms(0.5)) {
       report(fmt::format("arrival to estimate: {:.1f} ms (median), {:.1f} ms (99 %)", *median_ms,
                          *latency_.quantile_ms(0.99)));
+    }
+    if (json_ && json_->dropped() > 0) {
+      report(fmt::format("live.json: {} lines dropped: the reader of standard output is too slow",
+                         json_->dropped()));
     }
     if (!link_) return;
     const mavlink::ParserCounts packets = link_->counts();
@@ -139,10 +152,29 @@ class Flight {
   void receive_telemetry() {
     if (!link_) return;
     for (const ReceivedPacket& received : link_->take()) {
-      record_.add_message(received.packet.raw.bytes(), received.arrival);
+      last_packet_ = received.arrival;
+      check_system(received.packet);
+      record_->add_message(received.packet.raw.bytes(), received.arrival);
       estimator_.receive(received.packet, received.arrival);
       ++messages_;
     }
+  }
+
+  void check_system(const mavlink::Packet& packet) {
+    const int expected = estimator_.config().live.system_id;
+    const bool is_other = packet.component == mavlink::kAutopilot && packet.system != expected;
+    if (!is_other || std::exchange(has_reported_system_, true)) return;
+    report(fmt::format("MAVLink: autopilot of system {} is ignored; live.system_id is {}",
+                       packet.system, expected));
+  }
+
+  void report_silence() {
+    constexpr double kSilence_s = 2;
+    if (!link_) return;
+    const bool is_silent = seconds_between(last_packet_, local_now()) > kSilence_s;
+    if (is_silent == std::exchange(is_silent_, is_silent)) return;
+    report(is_silent ? fmt::format("MAVLink: no packet for {:.0f} s", kSilence_s)
+                     : std::string("MAVLink: connected"));
   }
 
   // Readings up to the frame's stamp, which may arrive after the frame.
@@ -158,11 +190,11 @@ class Flight {
   void step(const CapturedFrame& captured) {
     const Frame& frame = captured.frame;
     const bool is_ready = estimator_.is_ready(frame.stamp);
-    record_.add_frame({.index = frame.index,
-                       .outcome = is_ready ? FrameOutcome::used : FrameOutcome::settling,
-                       .stamp = frame.stamp,
-                       .stamp_sigma_s = frame.stamp_sigma_s,
-                       .telemetry = messages_});
+    record_->add_frame({.index = frame.index,
+                        .outcome = is_ready ? FrameOutcome::used : FrameOutcome::settling,
+                        .stamp = frame.stamp,
+                        .stamp_sigma_s = frame.stamp_sigma_s,
+                        .telemetry = messages_});
     if (!is_ready) {
       if (!std::exchange(has_reported_wait_, true)) {
         report("waiting for the telemetry of the initial state (live.telemetry)");
@@ -174,30 +206,39 @@ class Flight {
     if (autopilot_) {
       autopilot_->send(estimate, inputs.body_from_camera, inputs.camera.focal_x_px);
     }
-    if (json_) json_->send(estimate);
+    send_json(estimate);
     latency_.add(1e3 * seconds_between(captured.arrival, local_now()));
-    record_.add_estimate(estimates_csv_row(estimate));
+    record_->add_estimate(estimates_csv_row(estimate));
     ++used_;
+  }
+
+  // Without a reader of the lines the flight continues only for the autopilot.
+  void send_json(const NavigationEstimate& estimate) {
+    if (!json_ || json_->send(estimate)) return;
+    if (!link_) throw std::runtime_error("live.json: standard output is closed");
+    report("live.json: standard output is closed; no further lines");
+    json_.reset();
   }
 
   void report_record_failure() {
     if (has_reported_failure_) return;
-    if (const auto failure = record_.failure()) {
+    if (const auto failure = record_->failure()) {
       report(*failure);
       has_reported_failure_ = true;
     }
   }
 
-  FlightRecord record_;
   FlightEstimator estimator_;
   std::shared_ptr<LumaExtractor> luma_;
   std::optional<JsonOutput> json_;
   std::optional<AutopilotLink> link_;
   std::optional<AutopilotOutput> autopilot_;
+  std::optional<FlightRecord> record_;
   LatencyHistogram latency_;
   std::int64_t used_ = 0, messages_ = 0;
-  Timestamp last_image_ = local_now();
-  bool has_reported_wait_ = false, has_reported_failure_ = false;
+  Timestamp last_image_ = local_now(), last_packet_ = local_now();
+  bool is_silent_ = false;
+  bool has_reported_wait_ = false, has_reported_failure_ = false, has_reported_system_ = false;
   std::optional<VideoCapture> capture_;  // last: its thread uses record_ and luma_
 };
 
@@ -207,18 +248,22 @@ void fly(const FlyArguments& arguments) {
     fmt::print("{}", print_config(config));
     return;
   }
+  std::signal(SIGPIPE, SIG_IGN);  // write() then returns an error without a reader
   const StreamConfig source = expanded(config.source);
   const fs::path folder = flight_folder(arguments);
+  bool has_estimates = false;
   {
     const auto flight = std::make_unique<Flight>(config, source, folder);
     flight->run();
     flight->report_counts();
+    has_estimates = flight->has_estimates();
     if (!interrupted() && !flight->has_images()) {
       throw InputError(
           "source.path: standard input has no video; expected MPEG-TS, MJPEG or H.264");
     }
   }
-  report(fmt::format("record: {0}; its estimates again: stillkite run {0}", folder.string()));
+  if (has_estimates)
+    report(fmt::format("record: {0}; its estimates again: stillkite run {0}", folder.string()));
   if (interrupted()) throw Interrupted{};
 }
 

@@ -1,5 +1,7 @@
 #include "app/fly_config.hpp"
 
+#include <cmath>
+
 #include "io/config/config_binding.hpp"
 #include "io/text_file.hpp"
 
@@ -29,6 +31,18 @@ void check_estimator(const FlyConfig& config) {
   }
 }
 
+void check_origin(const std::array<double, 3>& origin) {
+  const auto& [latitude_deg, longitude_deg, altitude_m] = origin;
+  constexpr double kMaxAltitude_m = 1e5;
+  if (std::abs(latitude_deg) <= 90 && std::abs(longitude_deg) <= 180 &&
+      std::abs(altitude_m) <= kMaxAltitude_m) {
+    return;
+  }
+  throw InputError(
+      "live.send.origin: out of range; expected latitude [-90, 90] deg, longitude [-180, 180] deg, "
+      "altitude [m]");
+}
+
 }  // namespace
 
 FlyConfig load_fly_config(const std::optional<std::filesystem::path>& file,
@@ -41,6 +55,7 @@ FlyConfig load_fly_config(const std::optional<std::filesystem::path>& file,
     config.source.path = resolve_path(config.source.path, path->base_folder, path->where());
   }
   check_estimator(config);
+  if (config.live.send.origin) check_origin(*config.live.send.origin);
   return config;
 }
 

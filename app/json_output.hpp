@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -14,10 +15,14 @@ class JsonOutput {
   /// `target`: - or udp://HOST:PORT. Throws InputError on any other.
   explicit JsonOutput(const std::string& target);
 
-  /// Throws std::runtime_error if standard output is closed.
-  void send(const NavigationEstimate& estimate);
+  /// False if standard output is closed. Does not wait: a line that its reader has no room for is
+  /// dropped.
+  [[nodiscard]] bool send(const NavigationEstimate& estimate);
+
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
  private:
+  std::int64_t dropped_ = 0;
   std::optional<Port> port_;  // empty: standard output
 };
 
