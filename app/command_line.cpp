@@ -48,6 +48,7 @@ ExitCode parse_and_run(int argc, char** argv, const std::string& version) {
   add_compare(app);
   add_hover(app);
   add_batch(app);
+  add_import(app);
   add_config(app);
 
   const std::string first = argc > 1 ? argv[1] : "";

@@ -17,6 +17,7 @@ void add_evaluate(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_hover(CLI::App& app);
 void add_batch(CLI::App& app);
+void add_import(CLI::App& app);
 void add_config(CLI::App& app);
 
 }  // namespace stillkite

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "geometry/fields.hpp"
+#include "io/recording_format.hpp"
 
 namespace stillkite {
 namespace fs = std::filesystem;
@@ -35,6 +36,7 @@ std::string read_bytes(const fs::path& file) {
 }
 
 std::string read_text_file(const fs::path& file) {
+  reject_recording(file);
   std::string text = read_bytes(file);
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
     throw InputError(file.string() + ": the text is in UTF-16; save it as UTF-8");

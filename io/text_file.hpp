@@ -9,7 +9,8 @@ namespace stillkite {
 /// empty, or larger than 1 GiB.
 [[nodiscard]] std::string read_bytes(const std::filesystem::path& file);
 
-/// As read_bytes; also throws InputError on UTF-16 and on zero bytes.
+/// As read_bytes; also throws InputError on UTF-16, on zero bytes and on a recording that has to be
+/// imported first (recording_format.hpp).
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
 
 /// True for a pipe, socket or device, which could block on opening. False for /dev/stdin and

@@ -9,6 +9,7 @@
 
 #include "geometry/fields.hpp"
 #include "io/config/renamed_keys.hpp"
+#include "io/recording_format.hpp"
 #include "io/text_file.hpp"
 
 namespace stillkite {
@@ -204,6 +205,7 @@ ConfigNode parse_yaml(const std::string& text, const std::string& origin,
 }
 
 ConfigNode read_yaml(const std::filesystem::path& file) {
+  reject_recording(file);
   const std::string text = read_bytes(file);
   if (text.find('\0') != std::string::npos) {
     throw InputError(file.string() +

@@ -12,6 +12,7 @@ extern "C" {
 #include <vector>
 
 #include "geometry/fields.hpp"
+#include "io/recording_format.hpp"
 #include "io/video/display_rotation.hpp"
 
 namespace stillkite {
@@ -25,6 +26,7 @@ LibavInput<AVFormatContext> open_container(const std::string& file) {
   const int error = avformat_open_input(&context, file.c_str(), nullptr, &options);
   av_dict_free(&options);
   if (error < 0) {
+    if (recording_format_of(file) != RecordingFormat::mp4) reject_recording(file);
     throw InputError(file +
                      ": not a video file, or its header or index is missing (interrupted recording "
                      "or download)");

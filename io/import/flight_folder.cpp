@@ -1,0 +1,125 @@
+#include "io/import/flight_folder.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include "io/import/flight_config.hpp"
+#include "io/import/imu_series.hpp"
+#include "io/import/local_frame.hpp"
+#include "io/results/output_file.hpp"
+#include "io/results/output_folder.hpp"
+
+namespace stillkite {
+namespace fs = std::filesystem;
+namespace {
+
+// One row per reading; print(value) are its cells.
+template <typename Value, typename Print>
+void write_series(const fs::path& file, std::string_view header, const TimeSeries<Value>& series,
+                  Print print) {
+  if (series.stamps.empty()) return;
+  OutputFile out(file);
+  out.write(header);
+  for (std::size_t i = 0; i < series.stamps.size(); ++i) {
+    out.write(fmt::format("{},{}\n", series.stamps[i].ns, print(series.values[i])));
+  }
+  out.commit();
+}
+
+std::string cells(const Eigen::Vector3d& v) {
+  return fmt::format("{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z());
+}
+
+// Number of readings, rate and duration.
+template <typename Value>
+std::string extent_of(const TimeSeries<Value>& series) {
+  const double duration_s = seconds_between(series.stamps.front(), series.stamps.back());
+  std::string text = fmt::format("{} readings", series.stamps.size());
+  if (duration_s > 0) {
+    text += fmt::format(", {:.4g} Hz, {:.1f} s",
+                        static_cast<double>(series.stamps.size() - 1) / duration_s, duration_s);
+  }
+  const double max_gap = max_gap_s(series.stamps);
+  std::size_t gaps = 0;
+  for (std::size_t i = 1; i < series.stamps.size(); ++i) {
+    if (seconds_between(series.stamps[i - 1], series.stamps[i]) > max_gap) ++gaps;
+  }
+  if (gaps > 0) text += fmt::format(", {} gaps", gaps);
+  return text;
+}
+
+template <typename Value>
+void note_series(std::vector<ImportNote>& notes, const char* name, const char* file,
+                 const TimeSeries<Value>& series) {
+  if (series.stamps.empty()) {
+    add_note(notes, ImportNote::Kind::missing, name);
+  } else {
+    add_note(notes, ImportNote::Kind::found,
+             fmt::format("{}: {} ({})", name, extent_of(series), file));
+  }
+}
+
+}  // namespace
+
+std::vector<ImportNote> write_flight_folder(const Recording& recording,
+                                            const ImportOptions& options, const fs::path& out) {
+  const ImportedFlight& flight = recording.flight;
+  const TimeSeries<Vector6d> imu = imu_series(flight);
+  std::optional<LocalFrame> frame;
+  TimeSeries<Eigen::Vector3d> positions_m{.stamps = flight.positions.stamps};
+  if (!flight.positions.values.empty()) {
+    GeodeticPosition origin = flight.positions.values.front();
+    origin.altitude_m = flight.takeoff_altitude_m.value_or(origin.altitude_m);
+    frame.emplace(origin);
+    for (const GeodeticPosition& position : flight.positions.values) {
+      positions_m.values.push_back(frame->position_m(position));
+    }
+  }
+
+  constexpr std::uintmax_t kRowBytes = 120;
+  const std::size_t rows = imu.stamps.size() + flight.attitude.stamps.size() +
+                           flight.positions.stamps.size() + flight.height_m.stamps.size();
+  OutputFolder folder(out, kRowBytes * rows);
+  const fs::path& top = folder.part();
+  if (!imu.stamps.empty()) fs::create_directories(top / "imu0");
+  write_series(top / "imu0" / "data.csv",
+               "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+               "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n",
+               imu,
+               [](const Vector6d& v) { return cells(v.head<3>()) + "," + cells(v.tail<3>()); });
+  write_series(
+      top / "attitude.csv", "#timestamp [ns],qw,qx,qy,qz\n", flight.attitude,
+      [](const Eigen::Quaterniond& q) { return fmt::format("{:.9f},{}", q.w(), cells(q.vec())); });
+  write_series(top / "range.csv", "#timestamp [ns],range [m]\n", flight.range_m,
+               [](double range_m) { return fmt::format("{:.9g}", range_m); });
+  write_series(top / "height.csv", "#timestamp [ns],height [m]\n", flight.height_m,
+               [](double height_m) { return fmt::format("{:.9g}", height_m); });
+  write_series(top / "gnss_positions.csv", "#timestamp [ns],x [m],y [m],z [m]\n", positions_m,
+               [](const Eigen::Vector3d& p) {
+                 return fmt::format("{:.4f},{:.4f},{:.4f}", p.x(), p.y(), p.z());
+               });
+  write_series(top / "gnss_velocity.csv", "#timestamp [ns],vx [m/s],vy [m/s],vz [m/s]\n",
+               flight.velocity_in_world_m_s, cells);
+
+  std::vector<ImportNote> notes = flight.notes;
+  note_series(notes, "imu", "imu0/data.csv", imu);
+  note_series(notes, "attitude", "attitude.csv", flight.attitude);
+  note_series(notes, "range finder", "range.csv", flight.range_m);
+  note_series(notes, "barometric height", "height.csv", flight.height_m);
+  note_series(notes, "GNSS position", "gnss_positions.csv", flight.positions);
+  note_series(notes, "GNSS velocity", "gnss_velocity.csv", flight.velocity_in_world_m_s);
+  if (flight.rejected > 0) {
+    add_note(notes, ImportNote::Kind::missing,
+             fmt::format("{} rejected readings: out of range, or time stamps out of order",
+                         flight.rejected));
+  }
+  write_file(top / "flight.yaml", flight_yaml(recording, options, imu, frame, out, notes));
+  folder.commit();
+  return notes;
+}
+
+}  // namespace stillkite
