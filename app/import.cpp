@@ -38,20 +38,23 @@ void import_flight(const ImportArguments& arguments) {
   }
   fmt::print(stderr, "stillkite: to estimate the motion: stillkite run {}{}\n",
              (arguments.out / "flight.yaml").string(),
-             recording.video ? "" : " --set source.path=VIDEO --set calibration.path=FILE");
+             recording.video || recording.image_topic
+                 ? ""
+                 : " --set source.path=VIDEO --set calibration.path=FILE");
 }
 
 }  // namespace
 
 void add_import(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "import", "Convert a video with telemetry or a flight log to a flight that can be run");
+      "import",
+      "Convert a video with telemetry, a flight log or a ROS bag to a flight that can be run");
   const auto arguments = std::make_shared<ImportArguments>();
   command
       ->add_option(
           "files", arguments->files,
-          "Video (GoPro, DJI), subtitles (SRT), ULog, DataFlash .bin or .tlog; a video and "
-          "a log together")
+          "Video (GoPro, DJI), subtitles (SRT), ULog, DataFlash .bin, .tlog, MCAP or ROS bag; a "
+          "video and a log together")
       ->required();
   command->add_option("--out", arguments->out, "New folder for the flight")
       ->type_name("DIR")

@@ -61,6 +61,9 @@ bool is_tlog(std::string_view head) {
 std::optional<RecordingFormat> recording_format(std::string_view head) {
   if (head.starts_with("ULog\x01\x12\x35")) return RecordingFormat::ulog;
   if (head.starts_with("\xa3\x95")) return RecordingFormat::dataflash;
+  if (head.starts_with("\x89MCAP0\r\n")) return RecordingFormat::mcap;
+  if (head.starts_with("#ROSBAG V2.0\n")) return RecordingFormat::rosbag;
+  if (head.starts_with("SQLite format 3")) return RecordingFormat::ros_database;
   if (is_mp4(head)) return RecordingFormat::mp4;
   if (is_tlog(head)) return RecordingFormat::tlog;
   if (is_subtitles(head)) return RecordingFormat::subtitles;

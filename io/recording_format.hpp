@@ -12,7 +12,7 @@
 namespace stillkite {
 
 /// Recordings that `stillkite import` converts.
-enum class RecordingFormat { mp4, subtitles, ulog, dataflash, tlog };
+enum class RecordingFormat { mp4, subtitles, ulog, dataflash, tlog, mcap, rosbag, ros_database };
 template <>
 struct EnumNames<RecordingFormat> {
   static constexpr auto value = std::to_array<std::pair<RecordingFormat, std::string_view>>(
@@ -20,7 +20,10 @@ struct EnumNames<RecordingFormat> {
        {RecordingFormat::subtitles, "subtitle file (SRT)"},
        {RecordingFormat::ulog, "PX4 log (ULog)"},
        {RecordingFormat::dataflash, "ArduPilot log (DataFlash)"},
-       {RecordingFormat::tlog, "MAVLink telemetry log (tlog)"}});
+       {RecordingFormat::tlog, "MAVLink telemetry log (tlog)"},
+       {RecordingFormat::mcap, "MCAP recording"},
+       {RecordingFormat::rosbag, "ROS 1 bag"},
+       {RecordingFormat::ros_database, "ROS 2 bag (sqlite3)"}});
 };
 
 /// Format by the first bytes of a file; nullopt for any other.

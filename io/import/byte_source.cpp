@@ -31,6 +31,17 @@ Bytes ByteSource::peek(std::size_t count) {
   return Bytes(buffer_).subspan(begin_, std::min(count, end_ - begin_));
 }
 
+bool ByteSource::read(std::vector<std::uint8_t>& out, std::size_t count) {
+  out.clear();
+  while (out.size() < count) {
+    const Bytes part = peek(std::min(count - out.size(), buffer_.size()));
+    if (part.empty()) return false;
+    out.insert(out.end(), part.begin(), part.end());
+    skip(part.size());
+  }
+  return true;
+}
+
 void ByteSource::skip(std::uint64_t count) {
   position_ += count;
   const std::uint64_t buffered = std::min<std::uint64_t>(count, end_ - begin_);

@@ -53,6 +53,10 @@ class ByteSource {
   /// Consumes bytes, also beyond those peeked at.
   void skip(std::uint64_t count);
 
+  /// Replaces `out` by the next `count` bytes and consumes them; false if there are fewer. Memory
+  /// grows with the bytes read.
+  [[nodiscard]] bool read(std::vector<std::uint8_t>& out, std::size_t count);
+
   /// Bytes consumed.
   [[nodiscard]] std::uint64_t position() const { return position_; }
 

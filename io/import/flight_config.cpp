@@ -1,6 +1,7 @@
 #include "io/import/flight_config.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <utility>
@@ -35,21 +36,22 @@ class FlightYaml {
       : recording_(recording), flight_(recording.flight), options_(options), notes_(notes) {}
 
   void add_source(const fs::path& out) {
+    if (recording_.image_topic) {
+      text_ += "source:\n  path: .  # EuRoC data set: cam0\n";
+      add_calibration(out, std::nullopt);
+      return;
+    }
     if (!recording_.video) {
       missing("video: stillkite run needs one; set source.path and calibration in flight.yaml");
       text_ += "# source: {path: video.mp4}  # missing\n";
-      if (options_.calibration) add_calibration(out);
+      if (options_.calibration) add_calibration(out, std::nullopt);
       return;
     }
     const ImportedVideo& video = *recording_.video;
     found(fmt::format("video: {}, {}x{}{}", video.file.string(), video.width_px, video.height_px,
                       video.duration_s ? fmt::format(", {:.1f} s", *video.duration_s) : ""));
     text_ += fmt::format("source:\n  path: {}\n", path_from(out, video.file));
-    if (options_.calibration) {
-      add_calibration(out);
-    } else {
-      assume_camera(video);
-    }
+    add_calibration(out, ImageSize{video.width_px, video.height_px});
   }
 
   void add_mount() {
@@ -127,12 +129,35 @@ class FlightYaml {
   void assumed(std::string text) { note(ImportNote::Kind::assumed, std::move(text)); }
   void note(ImportNote::Kind kind, std::string text) { add_note(notes_, kind, std::move(text)); }
 
-  void add_calibration(const fs::path& out) {
-    found("calibration: " + options_.calibration->string());
-    text_ += fmt::format("calibration:\n  path: {}\n", path_from(out, *options_.calibration));
+  struct ImageSize {
+    int width_px, height_px;
+  };
+
+  // By the option, else of the recording, else assumed for images of a known size.
+  void add_calibration(const fs::path& out, std::optional<ImageSize> size) {
+    if (options_.calibration) {
+      found("calibration: " + options_.calibration->string());
+      text_ += fmt::format("calibration:\n  path: {}\n", path_from(out, *options_.calibration));
+    } else if (flight_.camera) {
+      found("calibration: in the recording");
+      add_camera(*flight_.camera);
+    } else if (size) {
+      add_camera(assumed_camera(*size));
+    } else {
+      missing("calibration: --calibration FILE, or calibration.path in flight.yaml");
+    }
   }
 
-  void assume_camera(const ImportedVideo& video) {
+  void add_camera(const CameraConfig& camera) {
+    text_ += fmt::format(
+        "calibration:\n  camera:\n    width_px: {}\n    height_px: {}\n    focal_x_px: {:.9g}\n"
+        "    focal_y_px: {:.9g}\n    centre_x_px: {:.9g}\n    centre_y_px: {:.9g}\n"
+        "    distortion: {}\n    coefficients: [{:.9g}]\n",
+        camera.width_px, camera.height_px, camera.focal_x_px, camera.focal_y_px, camera.centre_x_px,
+        camera.centre_y_px, name_of(camera.distortion), fmt::join(camera.coefficients, ", "));
+  }
+
+  CameraConfig assumed_camera(ImageSize size) {
     constexpr double kUnknown_deg = 70;
     const bool is_given = options_.horizontal_fov_deg.has_value();
     const double fov_deg =
@@ -140,7 +165,7 @@ class FlightYaml {
     const bool is_fisheye = flight_.is_fisheye && !is_given;
     const double half_rad = fov_deg / 2 * kDegree;
     const double focal_px =
-        (is_fisheye ? 0.5 / half_rad : 0.5 / std::tan(half_rad)) * video.width_px;
+        (is_fisheye ? 0.5 / half_rad : 0.5 / std::tan(half_rad)) * size.width_px;
     assumed(
         fmt::format("calibration: horizontal field of view {:.1f} deg {}, {} lens: scale errors of "
                     "10 % and more; "
@@ -148,15 +173,16 @@ class FlightYaml {
                     fov_deg,
                     is_given                     ? "as given"
                     : flight_.horizontal_fov_deg ? "by the camera's nominal values"
-                                                 : "for want of any (--horizontal-fov-deg)",
+                                                 : "of an unknown camera (--horizontal-fov-deg)",
                     is_fisheye ? "equidistant" : "distortion-free"));
-    text_ += fmt::format(
-        "calibration:\n  camera:  # assumed\n    width_px: {}\n    height_px: {}\n"
-        "    focal_x_px: {:.1f}\n    focal_y_px: {:.1f}\n    centre_x_px: {:.1f}\n"
-        "    centre_y_px: {:.1f}\n",
-        video.width_px, video.height_px, focal_px, focal_px, 0.5 * (video.width_px - 1),
-        0.5 * (video.height_px - 1));
-    if (is_fisheye) text_ += "    distortion: equidistant\n    coefficients: [0, 0, 0, 0]\n";
+    return {.width_px = size.width_px,
+            .height_px = size.height_px,
+            .focal_x_px = focal_px,
+            .focal_y_px = focal_px,
+            .centre_x_px = 0.5 * (size.width_px - 1),
+            .centre_y_px = 0.5 * (size.height_px - 1),
+            .distortion = is_fisheye ? DistortionModel::equidistant : DistortionModel::none,
+            .coefficients = std::vector<double>(is_fisheye ? 4 : 0)};
   }
 
   // Roll and pitch from the mean specific force of the first half second of the video.

@@ -3,13 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <iterator>
 #include <string_view>
-#include <utility>
+#include <vector>
 
 #include "io/import/flight_config.hpp"
 #include "io/import/imu_series.hpp"
 #include "io/import/local_frame.hpp"
+#include "io/import/ros_flight.hpp"
 #include "io/results/output_file.hpp"
 #include "io/results/output_folder.hpp"
 
@@ -106,6 +106,12 @@ std::vector<ImportNote> write_flight_folder(const Recording& recording,
                flight.velocity_in_world_m_s, cells);
 
   std::vector<ImportNote> notes = flight.notes;
+  if (recording.image_topic) {
+    const std::size_t images = write_ros_images(*recording.log, recording.log_format,
+                                                *recording.image_topic, top / "cam0");
+    add_note(notes, images > 0 ? ImportNote::Kind::found : ImportNote::Kind::missing,
+             fmt::format("images: {} of topic {} (cam0/data.csv)", images, *recording.image_topic));
+  }
   note_series(notes, "imu", "imu0/data.csv", imu);
   note_series(notes, "attitude", "attitude.csv", flight.attitude);
   note_series(notes, "range finder", "range.csv", flight.range_m);

@@ -12,6 +12,7 @@ namespace stillkite {
 ///
 /// | file | columns after the stamp [ns] | frame |
 /// |---|---|---|
+/// | cam0/data.csv | image of a ROS recording | |
 /// | imu0/data.csv | wx wy wz [rad/s], ax ay az [m/s^2] | body |
 /// | attitude.csv | qw qx qy qz | world_from_body |
 /// | range.csv, height.csv | m | along the body's -z; barometric |

@@ -12,6 +12,7 @@
 
 #include "geometry/fields.hpp"
 #include "geometry/time.hpp"
+#include "io/config/camera_config.hpp"
 #include "io/dataset/sensor_log.hpp"
 
 namespace stillkite {
@@ -46,6 +47,7 @@ struct ImportedFlight {
   std::optional<double> takeoff_altitude_m;  ///< GeodeticPosition::altitude_m of the ground
   std::optional<double> mount_down_deg;      ///< optical axis below the body's horizon
   std::optional<double> horizontal_fov_deg;  ///< nominal
+  std::optional<CameraConfig> camera;        ///< calibration in the recording
   bool is_fisheye = false;                   ///< nominal lens: equidistant, else pinhole
   std::size_t rejected = 0;                  ///< readings out of range or with a stamp out of order
   std::vector<ImportNote> notes;

@@ -8,6 +8,7 @@
 
 #include "io/import/dataflash.hpp"
 #include "io/import/dji_subtitles.hpp"
+#include "io/import/ros_flight.hpp"
 #include "io/import/telemetry_log.hpp"
 #include "io/import/ulog.hpp"
 #include "io/recording_format.hpp"
@@ -73,6 +74,11 @@ void find_siblings(Files& files) {
   }
 }
 
+bool is_ros(RecordingFormat format) {
+  return format == RecordingFormat::mcap || format == RecordingFormat::rosbag ||
+         format == RecordingFormat::ros_database;
+}
+
 ImportedFlight read_log(const fs::path& file, RecordingFormat format) {
   switch (format) {
     case RecordingFormat::subtitles:
@@ -83,6 +89,9 @@ ImportedFlight read_log(const fs::path& file, RecordingFormat format) {
       return read_dataflash(file);
     case RecordingFormat::tlog:
       return read_telemetry_log(file);
+    case RecordingFormat::mcap:
+    case RecordingFormat::rosbag:
+    case RecordingFormat::ros_database:
     case RecordingFormat::mp4:
       break;
   }
@@ -120,6 +129,10 @@ std::optional<Timestamp> first_stamp(const ImportedFlight& flight) {
 }
 
 void set_clock(Recording& recording, RecordingFormat format, const ImportOptions& options) {
+  if (recording.image_topic) {  // images and sensors have one clock
+    recording.time_offset_s = 0;
+    return;
+  }
   const std::optional<Timestamp> first = first_stamp(recording.flight);
   if (!first) {
     throw InputError(fmt::format(
@@ -129,7 +142,7 @@ void set_clock(Recording& recording, RecordingFormat format, const ImportOptions
   }
   if (format == RecordingFormat::subtitles) return;  // on the clock of the video
   recording.flight.found(
-      fmt::format("clock: of the autopilot; the first reading is at {:.3f} s", to_seconds(*first)));
+      fmt::format("clock: of the log; the first reading is at {:.3f} s", to_seconds(*first)));
   recording.time_offset_s -= to_seconds(*first);
   if (recording.video) {
     recording.flight.assumed(fmt::format(
@@ -147,9 +160,16 @@ Recording read_recording(const std::vector<fs::path>& files, const ImportOptions
   Recording out{.time_offset_s = options.log_start_s};
   if (sorted.video) out.video = read_video(*sorted.video, !sorted.log);
   out.log = sorted.log;
+  out.log_format = sorted.log_format;
   if (sorted.log) {
     try {
-      out.flight = read_log(*sorted.log, sorted.log_format);
+      if (is_ros(sorted.log_format)) {
+        RosFlight ros = read_ros_flight(*sorted.log, sorted.log_format);
+        out.flight = std::move(ros.flight);
+        if (!sorted.video) out.image_topic = std::move(ros.image_topic);
+      } else {
+        out.flight = read_log(*sorted.log, sorted.log_format);
+      }
     } catch (const InputError& error) {
       const std::string name = sorted.log->string();
       const std::string problem = error.what();

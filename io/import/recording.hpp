@@ -7,6 +7,7 @@
 
 #include "io/import/imported_flight.hpp"
 #include "io/import/video_telemetry.hpp"
+#include "io/recording_format.hpp"
 
 namespace stillkite {
 
@@ -20,6 +21,8 @@ struct ImportOptions {
 struct Recording {
   std::optional<ImportedVideo> video;
   std::optional<std::filesystem::path> log;
+  RecordingFormat log_format = RecordingFormat::ulog;
+  std::optional<std::string> image_topic;  ///< of a ROS recording without a video
   ImportedFlight flight;
   double time_offset_s = 0;  ///< t_video = t_flight + time_offset_s
 };

@@ -81,7 +81,9 @@ std::optional<ImportedFlight> read_telemetry(const VideoTrack& video) {
     read_track(video, *track, [&](Bytes packet, Timestamp start, Timestamp) {
       subtitles.add(start, subtitle_text(packet, track->codecpar->codec_id));
     });
-    return subtitles.finish();
+    ImportedFlight flight = subtitles.finish();
+    flight.found("telemetry: subtitles of the video");
+    return flight;
   }
   return std::nullopt;
 }

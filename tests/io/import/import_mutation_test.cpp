@@ -10,10 +10,12 @@
 #include "io/import/dji_subtitles.hpp"
 #include "io/import/gopro_telemetry.hpp"
 #include "io/import/imu_series.hpp"
+#include "io/import/ros_flight.hpp"
 #include "io/import/telemetry_log.hpp"
 #include "io/import/ulog.hpp"
 #include "io/import/video_telemetry.hpp"
 #include "io/recording_format.hpp"
+#include "tests/io/import/ros_database_sample.hpp"
 #include "tests/io/import/samples.hpp"
 #include "tests/io/temporary_folder.hpp"
 
@@ -122,6 +124,35 @@ TEST(ImportMutation, DjiSubtitles) {
 }
 TEST(ImportMutation, GoproPayload) {
   expect_only_input_errors(samples::gopro_payload(), read_gopro_payloads);
+}
+
+Reader ros_reader(RecordingFormat format) {
+  return [format](const std::filesystem::path& file) {
+    const RosFlight ros = read_ros_flight(file, format);
+    const TemporaryFolder images;
+    if (ros.image_topic) {
+      (void)write_ros_images(file, format, *ros.image_topic, images.path() / "cam0");
+    }
+    return ros.flight;
+  };
+}
+
+TEST(ImportMutation, Mcap) {
+  for (const char* compression : {"", "zstd"}) {
+    expect_only_input_errors(samples::mcap(true, compression), ros_reader(RecordingFormat::mcap));
+  }
+}
+TEST(ImportMutation, Rosbag) {
+  for (const char* compression : {"none", "lz4", "bz2"}) {
+    expect_only_input_errors(samples::rosbag(compression), ros_reader(RecordingFormat::rosbag));
+  }
+}
+TEST(ImportMutation, RosDatabase) {
+  const TemporaryFolder folder;
+  samples::write_ros_database(folder.path() / "a.db3");
+  std::ifstream stream(folder.path() / "a.db3", std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+  expect_only_input_errors(bytes, ros_reader(RecordingFormat::ros_database));
 }
 
 // Real recordings, which lie next to the recordings of STILLKITE_DATA.
