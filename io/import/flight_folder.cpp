@@ -63,6 +63,19 @@ void note_series(std::vector<ImportNote>& notes, const char* name, const char* f
   }
 }
 
+// Median speed between successive positions; 0 below two.
+double median_speed_m_s(const TimeSeries<Eigen::Vector3d>& positions_m) {
+  std::vector<double> speeds_m_s;
+  for (std::size_t i = 1; i < positions_m.stamps.size(); ++i) {
+    speeds_m_s.push_back((positions_m.values[i] - positions_m.values[i - 1]).norm() /
+                         seconds_between(positions_m.stamps[i - 1], positions_m.stamps[i]));
+  }
+  if (speeds_m_s.empty()) return 0;
+  const auto middle = speeds_m_s.begin() + std::ssize(speeds_m_s) / 2;
+  std::ranges::nth_element(speeds_m_s, middle);
+  return *middle;
+}
+
 }  // namespace
 
 std::vector<ImportNote> write_flight_folder(const Recording& recording,
@@ -122,6 +135,14 @@ std::vector<ImportNote> write_flight_folder(const Recording& recording,
     add_note(notes, ImportNote::Kind::missing,
              fmt::format("{} rejected readings: out of range, or time stamps out of order",
                          flight.rejected));
+  }
+  constexpr double kMaxSpeed_m_s = 340;  // of a truth that a run accepts
+  if (const double speed_m_s = median_speed_m_s(positions_m); speed_m_s > kMaxSpeed_m_s) {
+    add_note(notes, ImportNote::Kind::missing,
+             fmt::format("truth: the GNSS positions move at {:.0f} m/s (median); not used by "
+                         "flight.yaml",
+                         speed_m_s));
+    frame.reset();
   }
   write_file(top / "flight.yaml", flight_yaml(recording, options, imu, frame, out, notes));
   folder.commit();

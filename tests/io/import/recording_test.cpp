@@ -94,6 +94,19 @@ TEST(FlightFolder, HeightOfSubtitlesIsAboveTakeoff) {
   EXPECT_NEAR(positions.at(1).world_from_body.translation.y(), 1.1118, 1e-3);  // 1e-5 deg
 }
 
+TEST(FlightFolder, OmitsATruthFasterThanSound) {
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "flight";
+  const Recording recording = read_recording(
+      {folder.file("a.SRT",
+                   "1\n00:00:00,000 --> 00:00:00,033\n[latitude: 47.0] [longitude: 8.0]\n\n"
+                   "2\n00:00:00,033 --> 00:00:00,066\n[latitude: 47.001] [longitude: 8.0]\n")},
+      {});
+  const std::vector<ImportNote> notes = write_flight_folder(recording, {}, out);
+  EXPECT_TRUE(has_note(notes, ImportNote::Kind::missing, "truth: the GNSS positions move at 3369"));
+  EXPECT_FALSE(load_run_config(out / "flight.yaml", {}).truth.positions);
+}
+
 TEST(Recording, RejectsTwoLogsAndUnknownFormats) {
   const TemporaryFolder folder;
   const auto first = folder.file("a.ulg", samples::ulog());
