@@ -2,17 +2,17 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <utility>
 
 #include "geometry/angle.hpp"
+#include "io/import/byte_source.hpp"
 
 namespace stillkite {
 namespace {
@@ -54,10 +54,16 @@ std::optional<std::string_view> after_key(std::string_view text, std::string_vie
   return std::nullopt;
 }
 
+// Value of a key; "47,5" is 47.5.
 std::optional<double> number_of(std::string_view text, std::string_view key,
                                 std::string_view separators = ":(") {
-  std::optional<std::string_view> value = after_key(text, key, separators);
-  return value ? take_number(*value) : std::nullopt;
+  const std::optional<std::string_view> value = after_key(text, key, separators);
+  if (!value) return std::nullopt;
+  std::string number(without_blanks(*value));
+  number.resize(std::min(number.find_first_not_of("+-0123456789.,"), number.size()));
+  if (const std::size_t comma = number.find(','); comma < number.find('.')) number[comma] = '.';
+  std::string_view text_of_number = number;
+  return take_number(text_of_number);
 }
 
 // Start of "00:00:01,033 --> 00:00:01,066".
@@ -103,7 +109,8 @@ std::optional<GpsTriple> gps_triple(std::string_view cue) {
     numbers[i] = *number;
     has_point = before.substr(0, before.size() - text->size()).find('.') != std::string_view::npos;
     *text = without_blanks(*text);
-    if (text->starts_with(',')) text->remove_prefix(1);
+    if (!text->starts_with(i < 2 ? ',' : ')')) return std::nullopt;
+    text->remove_prefix(1);
   }
   GpsTriple out{.has_altitude = has_point};
   const bool latitude_first = has_point && std::abs(numbers[0]) <= 90;
@@ -150,7 +157,13 @@ void DjiSubtitles::read_camera(std::string_view cue) {
   }
   if (!flight_.mount_down_deg) {
     const std::optional<double> pitch_deg = number_of(cue, "gb_pitch");
-    if (pitch_deg && std::abs(*pitch_deg) <= 90) flight_.mount_down_deg = -*pitch_deg;
+    if (pitch_deg && std::abs(*pitch_deg) <= 90) {
+      flight_.mount_down_deg = -*pitch_deg;
+      flight_.assumed(fmt::format(
+          "mount: {:g} deg below the horizon, the gimbal's pitch in the first subtitle, for the "
+          "whole flight",
+          *flight_.mount_down_deg));
+    }
   }
 }
 
@@ -163,8 +176,8 @@ void DjiSubtitles::add(Timestamp stamp, std::string_view cue) {
   std::optional<double> altitude_m = number_of(cue, "abs_alt");
   if (!altitude_m) altitude_m = number_of(cue, "altitude");
   if (height_m) add_height(stamp, *height_m);
-  if (relative_m && flight_.height_m.values.size() == 1 && *relative_m > 0) {
-    flight_.initial_height_m = flight_.height_m.values.front();
+  if (relative_m && flight_.height_m.values.size() == 1 && flight_.height_m.values[0] > 0) {
+    flight_.initial_height_m = flight_.height_m.values[0];
   }
 
   std::optional<double> longitude_deg = number_of(cue, "longitude");
@@ -204,9 +217,8 @@ ImportedFlight DjiSubtitles::finish() {
 }
 
 ImportedFlight read_dji_subtitles(const std::filesystem::path& file) {
-  constexpr std::size_t kMaxCueBytes = 65536;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string() + ": cannot be read");
+  constexpr std::size_t kMaxLineBytes = 8192;
+  ByteSource source(file);
   DjiSubtitles subtitles;
   std::optional<Timestamp> start;
   std::string cue;
@@ -215,20 +227,21 @@ ImportedFlight read_dji_subtitles(const std::filesystem::path& file) {
     start.reset();
     cue.clear();
   };
-  std::string line(kMaxCueBytes, '\0');
-  while (stream.good()) {
-    stream.getline(line.data(), std::ssize(line));
-    if (stream.fail() && !stream.eof()) {
-      if (stream.gcount() == 0) break;
-      throw InputError(file.string() + ": a line is longer than 64 KiB; the file is damaged");
+  // lines end with CR, LF or both
+  for (Bytes bytes; !(bytes = source.peek(kMaxLineBytes)).empty();) {
+    const std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::size_t length = std::min(rest.find_first_of("\r\n"), rest.size());
+    if (length == kMaxLineBytes) {
+      throw InputError(file.string() + ": a line is longer than 8 KiB; the file is damaged");
     }
-    const std::string_view text(line.data(), std::strlen(line.data()));
-    if (const std::optional<Timestamp> next = cue_start(text)) {
+    const std::string_view line = rest.substr(0, length);
+    if (const std::optional<Timestamp> next = cue_start(line)) {
       finish_cue();
       start = next;
-    } else if (start && cue.size() < kMaxCueBytes) {
-      cue.append(text).push_back('\n');
+    } else if (start && cue.size() < kMaxLineBytes) {
+      cue.append(line).push_back('\n');
     }
+    source.skip(length + 1);
   }
   finish_cue();
   try {

@@ -132,7 +132,10 @@ std::vector<Timestamp> sample_stamps(const GoproStream& stream, std::optional<Ti
   const bool by_sensor = sensor && origin;
   const std::vector<double> t_s = block_times_s(stream, by_sensor);
   const Timestamp first{by_sensor ? sensor->ns - origin->ns : blocks.front().start.ns};
-  const auto stamp = [&](double t) { return Timestamp{first.ns + from_seconds(t).ns}; };
+  constexpr double kMax_s = 1e9;  // damaged stamps, extrapolated
+  const auto stamp = [&](double time_s) {
+    return Timestamp{first.ns + from_seconds(std::clamp(time_s, -kMax_s, kMax_s)).ns};
+  };
 
   constexpr std::size_t kMinBlocks = 3;
   constexpr double kMaxRms_periods = 1.5;

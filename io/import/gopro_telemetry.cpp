@@ -132,6 +132,7 @@ ImportedFlight GoproTelemetry::finish() {
   ImportedFlight flight;
   constexpr double kWide_deg = 118;  // field of view 'wide' at 16:9
   flight.mount_down_deg = 0;
+  flight.assumed("mount: the body is the camera (mount.down_deg: 0)");
   flight.horizontal_fov_deg = kWide_deg;
   flight.is_fisheye = true;
   if (!model_.empty()) flight.found("camera: GoPro, device name '" + model_ + "'");

@@ -10,14 +10,8 @@
 
 namespace stillkite {
 
-/// Telemetry of a GoPro video (GPMF). Clock: that of the video.
-///
-/// | key | quantity | unit, frame |
-/// |---|---|---|
-/// | GYRO, ACCL | angular rate, specific force | rad/s, m/s^2, camera axes as ORIN or the model
-/// defines | | GRAV, CORI | direction of gravity, orientation since the start | x right, y down, z
-/// forward | | IORI | rotation of the stabilized image against the camera | as CORI | | GPS9, else
-/// GPS5 | latitude, longitude, altitude | deg, m |
+/// Telemetry of a GoPro video (GPMF). Clock: that of the video. Keys, units and frames:
+/// docs/import.md.
 ///
 /// The camera's axes are x left, y backward, z up, seen from behind. The body is the camera: x
 /// forward along the optical axis, y left, z up. The IMU and the attitude of stabilized images are

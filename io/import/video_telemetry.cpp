@@ -34,6 +34,12 @@ AVStream* find_subtitles(const AVFormatContext& container) {
   return nullptr;
 }
 
+// Time of a track within +-30 years, so that sums of damaged times do not overflow.
+std::int64_t nanoseconds(std::int64_t time, const AVStream& track) {
+  constexpr std::int64_t kMax_ns = 1'000'000'000'000'000'000;
+  return std::clamp(av_rescale_q(time, track.time_base, kNanoseconds), -kMax_ns, kMax_ns);
+}
+
 // Calls take(payload, start, end) for each packet of a track; times count from the first image.
 template <typename Take>
 void read_track(const VideoTrack& video, AVStream& track, Take take) {
@@ -43,16 +49,13 @@ void read_track(const VideoTrack& video, AVStream& track, Take take) {
   track.discard = AVDISCARD_DEFAULT;
   const AVStream& images = *video.stream;
   const std::int64_t first_ns =
-      images.start_time == AV_NOPTS_VALUE
-          ? 0
-          : av_rescale_q(images.start_time, images.time_base, kNanoseconds);
+      images.start_time == AV_NOPTS_VALUE ? 0 : nanoseconds(images.start_time, images);
   const LibavInput<AVPacket> packet(av_packet_alloc());
   while (av_read_frame(video.container.get(), packet.get()) >= 0) {
     if (packet->stream_index == track.index && packet->pts != AV_NOPTS_VALUE && packet->size > 0) {
-      const std::int64_t start_ns = av_rescale_q(packet->pts, track.time_base, kNanoseconds);
-      const std::int64_t length_ns = av_rescale_q(packet->duration, track.time_base, kNanoseconds);
-      take(Bytes(packet->data, static_cast<std::size_t>(packet->size)),
-           Timestamp{start_ns - first_ns}, Timestamp{start_ns - first_ns + length_ns});
+      const std::int64_t start_ns = nanoseconds(packet->pts, track) - first_ns;
+      take(Bytes(packet->data, static_cast<std::size_t>(packet->size)), Timestamp{start_ns},
+           Timestamp{start_ns + nanoseconds(packet->duration, track)});
     }
     av_packet_unref(packet.get());
   }
@@ -106,6 +109,10 @@ ImportedVideo read_imported_video(const std::filesystem::path& file, bool with_t
   } catch (const InputError& error) {
     out.telemetry.emplace();
     out.telemetry->missing(std::string("telemetry of the video: ") + error.what());
+  }
+  if (rotation && out.telemetry) {
+    out.telemetry->assumed(
+        "axes: the video states a rotation of its images; imu, attitude and mount are not rotated");
   }
   return out;
 }

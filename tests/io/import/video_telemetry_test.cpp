@@ -230,5 +230,36 @@ TEST(LocalFrame, MeasuresDegreesOfTheEllipsoid) {
   EXPECT_NEAR(position(0, 0.01, 0).x(), 788.47 * (1 + 100 / 6.38e6), 0.02);
 }
 
+TEST(DjiSubtitles, ReadsDecimalCommas) {
+  DjiSubtitles subtitles;
+  subtitles.add({}, "[latitude: 47,5] [longitude: -8,25] [rel_alt: -5,4 abs_alt: 400,0]");
+  const ImportedFlight flight = subtitles.finish();
+  EXPECT_EQ(flight.positions.values.at(0).latitude_deg, 47.5);
+  EXPECT_EQ(flight.positions.values.at(0).longitude_deg, -8.25);
+  EXPECT_EQ(flight.height_m.values.at(0), -5.4);
+  EXPECT_EQ(flight.takeoff_altitude_m, 405.4);
+  EXPECT_FALSE(flight.initial_height_m);
+}
+
+TEST(DjiSubtitles, RejectsGpsOfOtherThanThreeNumbers) {
+  DjiSubtitles subtitles;
+  subtitles.add({}, "GPS(8,41,47,37,16) BAROMETER:1.0");
+  EXPECT_TRUE(subtitles.finish().positions.values.empty());
+}
+
+TEST(DjiSubtitles, ReadsEachLineEnd) {
+  const TemporaryFolder folder;
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    std::string text = "\xef\xbb\xbf";
+    for (const std::string line : {"1", "00:00:00,000 --> 00:00:00,033", "BAROMETER:1.5", "", "2",
+                                   "00:00:02,000 --> 00:00:02,033", "BAROMETER:2.5"}) {
+      text += line + end;
+    }
+    const ImportedFlight flight = read_dji_subtitles(folder.file("a.srt", text));
+    EXPECT_EQ(flight.height_m.values, (std::vector<double>{1.5, 2.5}));
+    EXPECT_EQ(flight.height_m.stamps.at(1).ns, 2'000'000'000);
+  }
+}
+
 }  // namespace
 }  // namespace stillkite
