@@ -29,11 +29,13 @@ struct Record {
   }
 };
 
-// Logs before 2015 have milliseconds.
+// Logs before 2015 have milliseconds; TimeMS of their GPS messages is the time of the GPS week.
 std::optional<Timestamp> stamp_of(const Record& record) {
   std::optional<double> t_us = record.find("TimeUS");
   if (!t_us) {
-    if (const auto t_ms = record.find("TimeMS")) t_us = 1000 * *t_ms;
+    if (const auto t_ms = record.find(record.layout.name == "GPS" ? "T" : "TimeMS")) {
+      t_us = 1000 * *t_ms;
+    }
   }
   return t_us && *t_us >= 0 && *t_us < 9e15 ? from_microseconds(static_cast<std::uint64_t>(*t_us))
                                             : std::nullopt;
@@ -73,7 +75,9 @@ void log_height(const Record& r, Timestamp stamp, ImportedFlight& flight) {
 
 void log_range(const Record& r, Timestamp stamp, ImportedFlight& flight) {
   constexpr double kFacingDown = 25, kGood = 4;
-  if (r.find("Orient").value_or(kFacingDown) != kFacingDown) return;
+  for (const char* orientation : {"Orient", "Orient1"}) {
+    if (r.find(orientation).value_or(kFacingDown) != kFacingDown) return;
+  }
   if (r.find("Stat").value_or(kGood) != kGood) return;
   const double range_m = r.find("Dist") ? r["Dist"] : r["Dist1"];
   if (range_m > 0) append(flight.range_m, stamp, range_m, flight.rejected);
@@ -94,7 +98,10 @@ class DataflashReader {
         continue;
       }
       const Bytes message = source_.peek(bytes);
-      if (message.size() < bytes) break;
+      if (message.size() < bytes) {
+        flight_.missing("end of the log: the last message is cut off");
+        break;
+      }
       take(message);
       source_.skip(bytes);
     }

@@ -13,6 +13,7 @@ namespace stillkite {
 namespace {
 
 constexpr std::size_t kStampBytes = 8;
+constexpr int kRawImu = 1;  // rank of RAW_IMU
 
 // Fields of a payload, in the wire order of MAVLink: by descending size.
 struct Payload {
@@ -56,20 +57,30 @@ class TelemetryReader {
         source_.skip(1);
         continue;
       }
-      if (bytes > packet.size()) break;
+      if (bytes > packet.size()) {
+        flight_.missing("end of the log: the last packet is cut off");
+        break;
+      }
       if (const auto parsed = parse_mavlink(packet)) take(*parsed);
       source_.skip(kStampBytes + bytes);
     }
     if (skipped_bytes_ > 0) {
       flight_.missing(fmt::format("{} bytes of the log are damaged", skipped_bytes_));
     }
+    if (imu_.rank == kRawImu) {
+      flight_.assumed("imu: RAW_IMU in mrad/s and 9.80665e-3 m/s^2, as ArduPilot sends it");
+    }
+    if (!flight_.velocity_in_world_m_s.stamps.empty()) {
+      flight_.assumed("GNSS velocity: the autopilot's estimate (GLOBAL_POSITION_INT)");
+    }
     return std::move(flight_);
   }
 
  private:
   void take(const MavlinkPacket& packet) {
-    if (!vehicle_) vehicle_ = packet.system;
-    if (packet.system != *vehicle_) return;
+    const std::pair sender(packet.system, packet.component);
+    if (!sender_) sender_ = sender;
+    if (sender != *sender_) return;
     const Payload p{packet.payload};
     switch (packet.message) {
       case 105:
@@ -80,7 +91,7 @@ class TelemetryReader {
         if (begin_ms(p.at<std::uint32_t>(0))) take_raw_imu(2, p, 4);
         break;
       case 27:
-        if (begin(p.at<std::uint64_t>(0))) take_raw_imu(1, p, 8);
+        if (begin(p.at<std::uint64_t>(0))) take_raw_imu(kRawImu, p, 8);
         break;
       case 31:
         if (begin_ms(p.at<std::uint32_t>(0))) {
@@ -176,7 +187,7 @@ class TelemetryReader {
   }
 
   ByteSource source_;
-  std::optional<std::uint8_t> vehicle_;
+  std::optional<std::pair<std::uint8_t, std::uint8_t>> sender_;  // system, component
   Timestamp now_;
   BestRank imu_, attitude_, range_;
   std::uint64_t skipped_bytes_ = 0;

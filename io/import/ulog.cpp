@@ -132,6 +132,10 @@ class UlogReader {
       take(type, message);
       source_.skip(size);
     }
+    if (unknown_messages_ > 0) {
+      flight_.missing(fmt::format("{} messages of unknown type: parts of the log are damaged",
+                                  unknown_messages_));
+    }
     if (dropout_ms_ > 0) {
       flight_.missing(
           fmt::format("{} ms of the log: the autopilot could not write fast enough", dropout_ms_));
@@ -141,6 +145,7 @@ class UlogReader {
 
  private:
   void take(char type, Bytes message) {
+    constexpr std::string_view kTypes = "BFIMPQARDLCSO";  // of the format's definition
     if (type == 'F') {
       formats_.add(as_text(message));
     } else if (type == 'A' && message.size() > 3) {
@@ -155,6 +160,8 @@ class UlogReader {
       if (const auto stamp = stamp_of(subscription.layout, data)) {
         subscription.topic(subscription.layout, data, *stamp, flight_);
       }
+    } else if (kTypes.find(type) == std::string_view::npos) {
+      ++unknown_messages_;
     }
   }
 
@@ -176,7 +183,7 @@ class UlogReader {
   ByteSource source_;
   UlogFormats formats_;
   std::unordered_map<std::uint16_t, Subscription> subscriptions_;
-  std::uint64_t dropout_ms_ = 0;
+  std::uint64_t dropout_ms_ = 0, unknown_messages_ = 0;
   ImportedFlight flight_;
 };
 

@@ -96,6 +96,19 @@ TEST(Dataflash, ContinuesAfterDamagedBytes) {
   EXPECT_EQ(flight.notes[0].text, "7 bytes of the log are damaged");
 }
 
+// Logs before 2015: TimeMS of GPS counts from the beginning of the GPS week.
+TEST(Dataflash, StampsOfOldGnssMessagesAreSinceBoot) {
+  const TemporaryFolder folder;
+  ByteWriter log;
+  log.text("\xa3\x95\x80").little(std::uint8_t{3}).little(std::uint8_t{3 + 1 + 4 + 12 + 4});
+  log.text("GPS", 4).text("BILLeI", 16).text("Status,TimeMS,Lat,Lng,Alt,T", 64);
+  log.text("\xa3\x95\x03").little(std::uint8_t{3}).little(std::uint32_t{400'000'000});
+  log.little(std::int32_t{470'000'000}).little(std::int32_t{80'000'000}).little(std::int32_t{0});
+  log.little(std::uint32_t{1500});
+  const ImportedFlight flight = read_dataflash(folder.file("log.bin", log.bytes));
+  EXPECT_EQ(flight.positions.stamps.at(0).ns, 1'500'000'000);
+}
+
 TEST(DataflashLayout, ReadsHalfPrecision) {
   DataflashLayout layout{.name = "X", .bytes = 5, .fields = {{"A", 'g', 3}}};
   const auto value = [&](std::uint16_t bits) {
@@ -118,6 +131,16 @@ TEST(TelemetryLog, RejectsPacketsWithAWrongChecksum) {
   log[8 + 6 + 8] = 1;  // xacc of the first packet
   const ImportedFlight flight = read_telemetry_log(folder.file("log.tlog", log));
   EXPECT_EQ(flight.angular_rate_in_body_rad_s.stamps.size(), 9U);
+}
+
+TEST(TelemetryLog, LeavesOtherComponents) {
+  const TemporaryFolder folder;
+  const std::string gimbal =
+      samples::mavlink(1, 30, 39, ByteWriter{}.little(std::uint32_t{2000}).text("", 24).bytes, 154);
+  const ImportedFlight flight = read_telemetry_log(folder.file(
+      "log.tlog",
+      samples::tlog() + ByteWriter{}.big(std::uint64_t{1'700'000'000'000'000}).text(gimbal).bytes));
+  EXPECT_EQ(flight.attitude.stamps.size(), 10U);
 }
 
 TEST(TelemetryLog, PrefersTheBetterMessage) {

@@ -127,17 +127,16 @@ inline constexpr std::uint64_t kFirst_us = 1'000'000, kStep_us = 10'000;
 
 /// Packet of MAVLink 1, or 2 without the zeros at its end.
 [[nodiscard]] inline std::string mavlink(int version, std::uint8_t message, std::uint8_t seed,
-                                         std::string payload) {
+                                         std::string payload, std::uint8_t component = 1) {
   ByteWriter head;
   if (version == 1) {
-    head.little(static_cast<std::uint8_t>(payload.size()))
-        .text(std::string_view("\x05\x01\x01", 3));
+    head.little(static_cast<std::uint8_t>(payload.size())).text(std::string_view("\x05\x01", 2));
   } else {
     while (payload.size() > 1 && payload.back() == '\0') payload.pop_back();
     head.little(static_cast<std::uint8_t>(payload.size()));
-    head.text(std::string_view("\x00\x00\x05\x01\x01", 5));
+    head.text(std::string_view("\x00\x00\x05\x01", 4));
   }
-  head.little(message);
+  head.little(component).little(message);
   if (version == 2) head.text(std::string_view("\x00\x00", 2));
   const std::string body = head.bytes + payload;
   // X.25 checksum, bit by bit
