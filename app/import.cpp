@@ -4,7 +4,9 @@
 #include <memory>
 
 #include "app/commands.hpp"
+#include "app/interrupt.hpp"
 #include "io/import/flight_folder.hpp"
+#include "io/results/output_folder.hpp"
 
 namespace stillkite {
 namespace {
@@ -30,17 +32,29 @@ const char* name_of_kind(ImportNote::Kind kind) {
 }
 
 void import_flight(const ImportArguments& arguments) {
-  const Recording recording = read_recording(arguments.files, arguments.options);
-  const std::vector<ImportNote> notes =
-      write_flight_folder(recording, arguments.options, arguments.out);
+  OutputFolder::reject_existing(arguments.out);
+  ImportOptions options = arguments.options;
+  options.poll = [] {
+    if (interrupted()) throw Interrupted{};
+  };
+  const Recording recording = read_recording(arguments.files, options);
+  const std::vector<ImportNote> notes = write_flight_folder(recording, options, arguments.out);
   for (const ImportNote& note : notes) {
     fmt::print("{:<7}  {}\n", name_of_kind(note.kind), note.text);
   }
-  fmt::print(stderr, "stillkite: to estimate the motion: stillkite run {}{}\n",
-             (arguments.out / "flight.yaml").string(),
-             recording.video || recording.image_topic
-                 ? ""
-                 : " --set source.path=VIDEO --set calibration.path=FILE");
+  const bool has_images = recording.video || recording.image_topic;
+  fmt::print(stderr, "stillkite: to estimate the motion: stillkite run {}{}{}\n",
+             (arguments.out / "flight.yaml").string(), has_images ? "" : " --set source.path=VIDEO",
+             has_images || options.calibration ? "" : " --set calibration.path=FILE");
+}
+
+void import_or_report_interrupt(const ImportArguments& arguments) {
+  try {
+    import_flight(arguments);
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "stillkite: interrupted; no results in {}\n", arguments.out.string());
+    throw;
+  }
 }
 
 }  // namespace
@@ -67,7 +81,8 @@ void add_import(CLI::App& app) {
   command
       ->add_option("--horizontal-fov-deg", arguments->options.horizontal_fov_deg,
                    "Horizontal field of view, without a calibration")
-      ->check(CLI::Range(5.0, 170.0));
+      ->check(CLI::Range(5.0, 170.0))
+      ->excludes("--calibration");
   command
       ->add_option("--log-start-s", arguments->options.log_start_s,
                    "Time in the video at which the log starts (default: 0)")
@@ -76,7 +91,7 @@ void add_import(CLI::App& app) {
       "Formats are recognized by content. Writes imu0/data.csv, attitude, heights, GNSS positions\n"
       "and velocities as CSV and flight.yaml, and prints what was found, is missing or assumed.\n"
       "Example: stillkite import GX010042.MP4 --out flight && stillkite run flight/flight.yaml");
-  command->callback([arguments] { import_flight(*arguments); });
+  command->callback([arguments] { import_or_report_interrupt(*arguments); });
 }
 
 }  // namespace stillkite

@@ -46,8 +46,10 @@ void ByteSource::skip(std::uint64_t count) {
   position_ += count;
   const std::uint64_t buffered = std::min<std::uint64_t>(count, end_ - begin_);
   begin_ += static_cast<std::size_t>(buffered);
-  if (count > buffered) {
-    stream_.seekg(static_cast<std::streamoff>(count - buffered), std::ios::cur);
+  if (count > buffered) {  // a damaged length may exceed every file offset
+    constexpr std::uint64_t kMaxSeek_bytes = std::uint64_t{1} << 62;
+    stream_.seekg(static_cast<std::streamoff>(std::min(count - buffered, kMaxSeek_bytes)),
+                  std::ios::cur);
   }
 }
 

@@ -1,12 +1,14 @@
 #include "io/import/flight_config.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "geometry/angle.hpp"
+#include "io/dataset/calibration.hpp"
+#include "io/import/calibration_section.hpp"
 
 namespace stillkite {
 namespace fs = std::filesystem;
@@ -22,39 +24,50 @@ std::string quoted(const fs::path& file) {
   return out + "\"";
 }
 
-// Path relative to the folder of flight.yaml.
+// Path relative to the folder of flight.yaml; absolute if a link leads to the folder, whose ".." is
+// elsewhere.
 std::string path_from(const fs::path& folder, const fs::path& file) {
-  return quoted(fs::absolute(file).lexically_normal().lexically_proximate(
-      fs::absolute(folder).lexically_normal()));
+  const fs::path from = fs::absolute(folder).lexically_normal();
+  const fs::path to = fs::absolute(file).lexically_normal();
+  return quoted(fs::weakly_canonical(from) == from ? to.lexically_proximate(from) : to);
 }
 
 // Builds the text section by section.
 class FlightYaml {
  public:
-  FlightYaml(const Recording& recording, const ImportOptions& options,
+  FlightYaml(const Recording& recording, const ImportOptions& options, const FlightFiles& files,
              std::vector<ImportNote>& notes)
-      : recording_(recording), flight_(recording.flight), options_(options), notes_(notes) {}
+      : recording_(recording),
+        flight_(recording.flight),
+        options_(options),
+        files_(files),
+        notes_(notes) {}
 
   void add_source(const fs::path& out) {
     if (recording_.image_topic) {
       text_ += "source:\n  path: .  # EuRoC data set: cam0\n";
-      add_calibration(out, std::nullopt);
+      add_calibration(out);
       return;
     }
     if (!recording_.video) {
       missing("video: stillkite run needs one; set source.path and calibration in flight.yaml");
       text_ += "# source: {path: video.mp4}  # missing\n";
-      if (options_.calibration) add_calibration(out, std::nullopt);
+      if (options_.calibration) add_calibration(out);
       return;
     }
     const ImportedVideo& video = *recording_.video;
     found(fmt::format("video: {}, {}x{}{}", video.file.string(), video.width_px, video.height_px,
                       video.duration_s ? fmt::format(", {:.1f} s", *video.duration_s) : ""));
     text_ += fmt::format("source:\n  path: {}\n", path_from(out, video.file));
-    add_calibration(out, ImageSize{video.width_px, video.height_px});
+    add_calibration(out);
   }
 
   void add_mount() {
+    if (!flight_.mount_down_deg && options_.calibration &&
+        read_calibration(*options_.calibration).body_from_camera) {
+      found("mount: extrinsics of the calibration");
+      return;
+    }
     constexpr double kDown_deg = 90;
     const double down_deg = flight_.mount_down_deg.value_or(kDown_deg);
     if (!flight_.mount_down_deg) {
@@ -64,7 +77,7 @@ class FlightYaml {
         fmt::format("mount:\n  down_deg: {:g}  # optical axis below the body's x axis\n", down_deg);
   }
 
-  void add_initial_state(const TimeSeries<Vector6d>& imu) {
+  void add_initial_state() {
     const bool has_range = !flight_.range_m.stamps.empty();
     std::string keys;
     if (flight_.initial_height_m && !has_range) {
@@ -75,21 +88,24 @@ class FlightYaml {
       missing("initial height: set initial.height_m; without it lengths are in initial heights");
       keys += "  # height_m:  # above the ground at the first image\n";
     }
-    if (flight_.attitude.stamps.empty()) keys += initial_attitude(imu);
+    if (flight_.attitude.stamps.empty()) keys += initial_attitude();
     if (!keys.empty()) text_ += "initial:\n" + keys;
   }
 
-  void add_sensors(const TimeSeries<Vector6d>& imu) {
-    if (is_fast(imu)) add_log("imu", "imu0/data.csv");
+  void add_sensors() {
+    if (is_fast(files_.imu)) add_log("imu", "imu0/data.csv");
     if (!flight_.attitude.stamps.empty()) add_log("attitude", "attitude.csv");
     if (!flight_.range_m.stamps.empty()) {
       add_log("height", "range.csv", "range");
     } else if (!flight_.height_m.stamps.empty() && flight_.initial_height_m) {
       add_log("height", "height.csv", "barometer");
+    } else if (!flight_.height_m.stamps.empty()) {
+      missing("barometer without initial height: not used by flight.yaml");
     }
   }
 
-  void add_truth(const std::optional<LocalFrame>& frame) {
+  void add_truth() {
+    const std::optional<LocalFrame>& frame = files_.frame;
     if (!frame && flight_.velocity_in_world_m_s.stamps.empty()) return;
     text_ += "truth:  # GNSS, without attitude; x east, y north, z up\n";
     if (frame) {
@@ -102,9 +118,15 @@ class FlightYaml {
     }
     if (!flight_.velocity_in_world_m_s.stamps.empty()) text_ += "  velocity: gnss_velocity.csv\n";
     add_offset();
+    if (!has_heading()) {
+      assumed(
+          "heading: 0 at the first image, of unknown direction to the GNSS positions; a run "
+          "reports the rotation that explains their difference");
+    }
   }
 
-  void add_estimator(const TimeSeries<Vector6d>& imu) {
+  void add_estimator() {
+    const TimeSeries<Vector6d>& imu = files_.imu;
     if (imu.stamps.empty()) return;
     if (!is_fast(imu)) {
       missing("imu for policy fused: below 20 readings per second, not used by flight.yaml");
@@ -129,66 +151,26 @@ class FlightYaml {
   void assumed(std::string text) { note(ImportNote::Kind::assumed, std::move(text)); }
   void note(ImportNote::Kind kind, std::string text) { add_note(notes_, kind, std::move(text)); }
 
-  struct ImageSize {
-    int width_px, height_px;
-  };
-
-  // By the option, else of the recording, else assumed for images of a known size.
-  void add_calibration(const fs::path& out, std::optional<ImageSize> size) {
-    if (options_.calibration) {
-      found("calibration: " + options_.calibration->string());
-      text_ += fmt::format("calibration:\n  path: {}\n", path_from(out, *options_.calibration));
-    } else if (flight_.camera) {
-      found("calibration: in the recording");
-      add_camera(*flight_.camera);
-    } else if (size) {
-      add_camera(assumed_camera(*size));
-    } else {
-      missing("calibration: --calibration FILE, or calibration.path in flight.yaml");
-    }
+  // True if the yaw of the attitude log is relative to the world's axes: that of autopilots.
+  [[nodiscard]] bool has_heading() const {
+    if (!recording_.log || flight_.attitude.stamps.empty()) return false;
+    const RecordingFormat format = recording_.log->format;
+    return format == RecordingFormat::ulog || format == RecordingFormat::dataflash ||
+           format == RecordingFormat::tlog;
   }
 
-  void add_camera(const CameraConfig& camera) {
-    text_ += fmt::format(
-        "calibration:\n  camera:\n    width_px: {}\n    height_px: {}\n    focal_x_px: {:.9g}\n"
-        "    focal_y_px: {:.9g}\n    centre_x_px: {:.9g}\n    centre_y_px: {:.9g}\n"
-        "    distortion: {}\n    coefficients: [{:.9g}]\n",
-        camera.width_px, camera.height_px, camera.focal_x_px, camera.focal_y_px, camera.centre_x_px,
-        camera.centre_y_px, name_of(camera.distortion), fmt::join(camera.coefficients, ", "));
+  void add_calibration(const fs::path& out) {
+    const std::string path =
+        options_.calibration ? path_from(out, *options_.calibration) : std::string();
+    text_ += calibration_section(flight_, options_, files_.images, path, notes_);
   }
 
-  CameraConfig assumed_camera(ImageSize size) {
-    constexpr double kUnknown_deg = 70;
-    const bool is_given = options_.horizontal_fov_deg.has_value();
-    const double fov_deg =
-        is_given ? *options_.horizontal_fov_deg : flight_.horizontal_fov_deg.value_or(kUnknown_deg);
-    const bool is_fisheye = flight_.is_fisheye && !is_given;
-    const double half_rad = fov_deg / 2 * kDegree;
-    const double focal_px =
-        (is_fisheye ? 0.5 / half_rad : 0.5 / std::tan(half_rad)) * size.width_px;
-    assumed(
-        fmt::format("calibration: horizontal field of view {:.1f} deg {}, {} lens: scale errors of "
-                    "10 % and more; "
-                    "measure it (--calibration FILE)",
-                    fov_deg,
-                    is_given                     ? "as given"
-                    : flight_.horizontal_fov_deg ? "by the camera's nominal values"
-                                                 : "of an unknown camera (--horizontal-fov-deg)",
-                    is_fisheye ? "equidistant" : "distortion-free"));
-    return {.width_px = size.width_px,
-            .height_px = size.height_px,
-            .focal_x_px = focal_px,
-            .focal_y_px = focal_px,
-            .centre_x_px = 0.5 * (size.width_px - 1),
-            .centre_y_px = 0.5 * (size.height_px - 1),
-            .distortion = is_fisheye ? DistortionModel::equidistant : DistortionModel::none,
-            .coefficients = std::vector<double>(is_fisheye ? 4 : 0)};
-  }
-
-  // Roll and pitch from the mean specific force of the first half second of the video.
-  std::string initial_attitude(const TimeSeries<Vector6d>& imu) {
+  // Roll and pitch from the mean specific force of the first half second of video and IMU.
+  std::string initial_attitude() {
     constexpr double kMean_s = 0.5;
-    const Timestamp start = from_seconds(-recording_.time_offset_s);
+    const TimeSeries<Vector6d>& imu = files_.imu;
+    Timestamp start = from_seconds(-recording_.time_offset_s);
+    if (!imu.stamps.empty()) start = std::max(start, imu.stamps.front());
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < imu.stamps.size(); ++i) {
       const double t_s = seconds_between(start, imu.stamps[i]);
@@ -225,6 +207,7 @@ class FlightYaml {
   const Recording& recording_;
   const ImportedFlight& flight_;
   const ImportOptions& options_;
+  const FlightFiles& files_;
   std::vector<ImportNote>& notes_;
   std::string text_ = "# Written by stillkite import; body: x forward, y left, z up\n";
 };
@@ -232,15 +215,15 @@ class FlightYaml {
 }  // namespace
 
 std::string flight_yaml(const Recording& recording, const ImportOptions& options,
-                        const TimeSeries<Vector6d>& imu, const std::optional<LocalFrame>& frame,
-                        const fs::path& out, std::vector<ImportNote>& notes) {
-  FlightYaml yaml(recording, options, notes);
+                        const FlightFiles& files, const fs::path& out,
+                        std::vector<ImportNote>& notes) {
+  FlightYaml yaml(recording, options, files, notes);
   yaml.add_source(out);
   yaml.add_mount();
-  yaml.add_initial_state(imu);
-  yaml.add_sensors(imu);
-  yaml.add_truth(frame);
-  yaml.add_estimator(imu);
+  yaml.add_initial_state();
+  yaml.add_sensors();
+  yaml.add_truth();
+  yaml.add_estimator();
   return yaml.text();
 }
 

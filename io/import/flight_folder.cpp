@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/import/flight_config.hpp"
@@ -48,7 +49,7 @@ std::string extent_of(const TimeSeries<Value>& series) {
   for (std::size_t i = 1; i < series.stamps.size(); ++i) {
     if (seconds_between(series.stamps[i - 1], series.stamps[i]) > max_gap) ++gaps;
   }
-  if (gaps > 0) text += fmt::format(", {} gaps", gaps);
+  if (gaps > 0) text += fmt::format(", {} gap{}", gaps, gaps == 1 ? "" : "s");
   return text;
 }
 
@@ -61,6 +62,34 @@ void note_series(std::vector<ImportNote>& notes, const char* name, const char* f
     add_note(notes, ImportNote::Kind::found,
              fmt::format("{}: {} ({})", name, extent_of(series), file));
   }
+}
+
+// True if the series end before, or begin after, those of the reference.
+template <typename Value>
+bool is_on_another_clock(const TimeSeries<Value>& series, const std::vector<Timestamp>& reference) {
+  return !series.stamps.empty() && !reference.empty() &&
+         (series.stamps.back() < reference.front() || series.stamps.front() > reference.back());
+}
+
+// Images of a ROS recording. Throws InputError if none can be written.
+ImageSize write_images(const Recording& recording, const ImportOptions& options,
+                       const fs::path& camera_folder, std::vector<ImportNote>& notes) {
+  const RosImages images = write_ros_images(recording.log->file, recording.log->format,
+                                            *recording.image_topic, camera_folder, options.poll);
+  const std::string rejected =
+      fmt::format("{} of {} images of topic {}, encoding '{}'", images.rejected,
+                  images.rejected + images.written, *recording.image_topic, images.encoding);
+  if (images.written == 0) {
+    throw InputError(fmt::format(
+        "{}: cannot read {}; known: mono, bgr, rgb and bayer of 8 bits, mono16, JPEG, PNG; give "
+        "the images as a video file after the recording",
+        recording.log->file.string(), rejected));
+  }
+  add_note(notes, ImportNote::Kind::found,
+           fmt::format("images: {} of topic {}, {}x{} (cam0/data.csv)", images.written,
+                       *recording.image_topic, images.width_px, images.height_px));
+  if (images.rejected > 0) add_note(notes, ImportNote::Kind::missing, "images: " + rejected);
+  return {images.width_px, images.height_px};
 }
 
 // Median speed between successive positions; 0 below two.
@@ -81,8 +110,9 @@ double median_speed_m_s(const TimeSeries<Eigen::Vector3d>& positions_m) {
 std::vector<ImportNote> write_flight_folder(const Recording& recording,
                                             const ImportOptions& options, const fs::path& out) {
   const ImportedFlight& flight = recording.flight;
-  const TimeSeries<Vector6d> imu = imu_series(flight);
-  std::optional<LocalFrame> frame;
+  FlightFiles files{.imu = imu_series(flight)};
+  const TimeSeries<Vector6d>& imu = files.imu;
+  std::optional<LocalFrame>& frame = files.frame;
   TimeSeries<Eigen::Vector3d> positions_m{.stamps = flight.positions.stamps};
   if (!flight.positions.values.empty()) {
     GeodeticPosition origin = flight.positions.values.front();
@@ -120,10 +150,9 @@ std::vector<ImportNote> write_flight_folder(const Recording& recording,
 
   std::vector<ImportNote> notes = flight.notes;
   if (recording.image_topic) {
-    const std::size_t images = write_ros_images(*recording.log, recording.log_format,
-                                                *recording.image_topic, top / "cam0");
-    add_note(notes, images > 0 ? ImportNote::Kind::found : ImportNote::Kind::missing,
-             fmt::format("images: {} of topic {} (cam0/data.csv)", images, *recording.image_topic));
+    files.images = write_images(recording, options, top / "cam0", notes);
+  } else if (recording.video) {
+    files.images = {recording.video->width_px, recording.video->height_px};
   }
   note_series(notes, "imu", "imu0/data.csv", imu);
   note_series(notes, "attitude", "attitude.csv", flight.attitude);
@@ -131,6 +160,21 @@ std::vector<ImportNote> write_flight_folder(const Recording& recording,
   note_series(notes, "barometric height", "height.csv", flight.height_m);
   note_series(notes, "GNSS position", "gnss_positions.csv", flight.positions);
   note_series(notes, "GNSS velocity", "gnss_velocity.csv", flight.velocity_in_world_m_s);
+  const std::vector<Timestamp>& clock = imu.stamps.empty() ? flight.attitude.stamps : imu.stamps;
+  for (const auto& [name, is_other] :
+       {std::pair("attitude", is_on_another_clock(flight.attitude, clock)),
+        std::pair("range finder", is_on_another_clock(flight.range_m, clock)),
+        std::pair("barometric height", is_on_another_clock(flight.height_m, clock)),
+        std::pair("GNSS position", is_on_another_clock(flight.positions, clock)),
+        std::pair("GNSS velocity", is_on_another_clock(flight.velocity_in_world_m_s, clock))}) {
+    if (is_other) {
+      add_note(
+          notes, ImportNote::Kind::missing,
+          fmt::format("common clock: no reading of {} is at a time of the imu or attitude; set "
+                      "its time_offset_s in flight.yaml",
+                      name));
+    }
+  }
   if (flight.rejected > 0) {
     add_note(notes, ImportNote::Kind::missing,
              fmt::format("{} rejected readings: out of range, or time stamps out of order",
@@ -144,7 +188,8 @@ std::vector<ImportNote> write_flight_folder(const Recording& recording,
                          speed_m_s));
     frame.reset();
   }
-  write_file(top / "flight.yaml", flight_yaml(recording, options, imu, frame, out, notes));
+  write_file(top / "flight.yaml", flight_yaml(recording, options, files, out, notes));
+  options.poll();
   folder.commit();
   return notes;
 }

@@ -92,9 +92,10 @@ void append(TimeSeries<Value>& series, Timestamp stamp, const Value& value, std:
   series.values.push_back(value);
 }
 
-/// Stamp of a count of microseconds; nullopt from the year 2262 on.
+/// Stamp of a count of microseconds; nullopt beyond 200 years, so that differences do not overflow.
 [[nodiscard]] inline std::optional<Timestamp> from_microseconds(std::uint64_t t_us) {
-  if (t_us > 9'223'372'036'854'775) return std::nullopt;
+  constexpr std::uint64_t kMax_us = 6'311'520'000'000'000;
+  if (t_us > kMax_us) return std::nullopt;
   return Timestamp{static_cast<std::int64_t>(t_us) * 1000};
 }
 

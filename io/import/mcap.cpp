@@ -51,7 +51,7 @@ class McapReader {
   std::size_t read() {
     source_.skip(kMagicBytes);
     std::vector<std::uint8_t> record;
-    for (Bytes head; goes_on_ && (head = source_.peek(kRecordHead)).size() == kRecordHead;) {
+    for (Bytes head; (head = source_.peek(kRecordHead)).size() == kRecordHead;) {
       const std::uint8_t opcode = head[0];
       const auto length = little_endian<std::uint64_t>(head, 1);
       source_.skip(kRecordHead);
@@ -63,7 +63,7 @@ class McapReader {
       if (length > kMaxChunkBytes || !source_.read(record, static_cast<std::size_t>(length))) break;
       take_record(opcode, record);
     }
-    return damaged_ + (goes_on_ ? 1 : 0);
+    return damaged_ + 1;
   }
 
  private:
@@ -92,11 +92,11 @@ class McapReader {
       (void)fields.next<std::uint32_t>();
       const auto logged = fields.next<std::uint64_t>();
       (void)fields.next<std::uint64_t>();
-      goes_on_ = goes_on_ && take_({.topic = found->second.topic,
-                                    .type = found->second.type,
-                                    .logged = {static_cast<std::int64_t>(logged)},
-                                    .data = fields.rest(),
-                                    .is_cdr = found->second.is_cdr});
+      take_({.topic = found->second.topic,
+             .type = found->second.type,
+             .logged = time_of_recording(logged),
+             .data = fields.rest(),
+             .is_cdr = found->second.is_cdr});
     } else if (opcode == chunk) {
       take_chunk(fields);
     }
@@ -117,7 +117,7 @@ class McapReader {
       return;
     }
     Bytes rest(*records);
-    while (rest.size() >= kRecordHead && goes_on_) {
+    while (rest.size() >= kRecordHead) {
       const auto length = little_endian<std::uint64_t>(rest, 1);
       if (length > rest.size() - kRecordHead) break;
       // a chunk contains no chunk
@@ -132,7 +132,6 @@ class McapReader {
   std::map<std::uint16_t, std::string> types_;
   std::map<std::uint16_t, Channel> channels_;
   std::size_t damaged_ = 0;
-  bool goes_on_ = true;
 };
 
 }  // namespace

@@ -20,32 +20,46 @@ namespace {
 
 struct Files {
   std::optional<fs::path> video;
-  std::optional<fs::path> log;
-  RecordingFormat log_format = RecordingFormat::ulog;
+  std::optional<RecordedLog> log;
 };
 
-void set_once(std::optional<fs::path>& slot, const fs::path& file, const char* kind) {
-  if (slot) {
-    throw InputError(fmt::format("{} and {} are both {}s; import one flight at a time",
-                                 slot->string(), file.string(), kind));
-  }
-  slot = file;
+InputError two_of_a_kind(const fs::path& first, const fs::path& second, const char* kind) {
+  return InputError(fmt::format("{} and {} are both {}s; import one flight at a time",
+                                first.string(), second.string(), kind));
 }
 
-// A file of no known format may be a video in another container.
+// Format of a file; a video in another container is MP4's kind.
+RecordingFormat format_of(const fs::path& file) {
+  if (!fs::exists(file)) throw InputError(file.string() + ": no such file; check the path");
+  if (!fs::is_regular_file(file) || is_special_file(file)) {
+    throw InputError(file.string() + ": not a file; import reads videos and logs");
+  }
+  if (fs::file_size(file) == 0) {
+    throw InputError(file.string() + ": the file is empty; copy it from the device again");
+  }
+  if (const std::optional<RecordingFormat> format = recording_format_of(file)) return *format;
+  try {
+    (void)read_imported_video(file, false);
+    return RecordingFormat::mp4;
+  } catch (const InputError&) {
+    std::string known;
+    for (const auto& [format, name] : EnumNames<RecordingFormat>::value) {
+      if (format != RecordingFormat::mp4) known.append(", ").append(name);
+    }
+    throw InputError(file.string() + ": unknown format; known: video" + known);
+  }
+}
+
 Files sort_files(const std::vector<fs::path>& files) {
   Files out;
   for (const fs::path& file : files) {
-    if (!fs::exists(file)) throw InputError(file.string() + ": no such file; check the path");
-    if (!fs::is_regular_file(file) || is_special_file(file)) {
-      throw InputError(file.string() + ": not a file; import reads videos and logs");
-    }
-    const std::optional<RecordingFormat> format = recording_format_of(file);
-    if (!format || *format == RecordingFormat::mp4) {
-      set_once(out.video, file, "video");
+    const RecordingFormat format = format_of(file);
+    if (format == RecordingFormat::mp4) {
+      if (out.video) throw two_of_a_kind(*out.video, file, "video");
+      out.video = file;
     } else {
-      set_once(out.log, file, "log");
-      out.log_format = *format;
+      if (out.log) throw two_of_a_kind(out.log->file, file, "log");
+      out.log = {file, format};
     }
   }
   return out;
@@ -66,52 +80,34 @@ void find_siblings(Files& files) {
   if (!files.log && files.video) {
     const std::optional<fs::path> subtitles = sibling(*files.video, {".SRT", ".srt"});
     if (subtitles && recording_format_of(*subtitles) == RecordingFormat::subtitles) {
-      files.log = subtitles;
-      files.log_format = RecordingFormat::subtitles;
+      files.log = {*subtitles, RecordingFormat::subtitles};
     }
-  } else if (!files.video && files.log_format == RecordingFormat::subtitles) {
-    files.video = sibling(*files.log, {".MP4", ".mp4", ".MOV", ".mov"});
+  } else if (!files.video && files.log->format == RecordingFormat::subtitles) {
+    files.video = sibling(files.log->file, {".MP4", ".mp4", ".MOV", ".mov"});
   }
 }
 
-bool is_ros(RecordingFormat format) {
-  return format == RecordingFormat::mcap || format == RecordingFormat::rosbag ||
-         format == RecordingFormat::ros_database;
-}
-
-ImportedFlight read_log(const fs::path& file, RecordingFormat format) {
-  switch (format) {
+// Sensors of a log; of a ROS recording also the topic of its images.
+RosFlight read_log(const RecordedLog& log, const ImportOptions& options) {
+  switch (log.format) {
     case RecordingFormat::subtitles:
-      return read_dji_subtitles(file);
+      return {read_dji_subtitles(log.file), std::nullopt};
     case RecordingFormat::ulog:
-      return read_ulog(file);
+      return {read_ulog(log.file), std::nullopt};
     case RecordingFormat::dataflash:
-      return read_dataflash(file);
+      return {read_dataflash(log.file), std::nullopt};
     case RecordingFormat::tlog:
-      return read_telemetry_log(file);
+      return {read_telemetry_log(log.file), std::nullopt};
+    case RecordingFormat::mp4:
     case RecordingFormat::mcap:
     case RecordingFormat::rosbag:
     case RecordingFormat::ros_database:
-    case RecordingFormat::mp4:
       break;
   }
-  return {};
+  return read_ros_flight(log.file, log.format, options.poll);
 }
 
-ImportedVideo read_video(const fs::path& file, bool with_telemetry) {
-  try {
-    return read_imported_video(file, with_telemetry);
-  } catch (const InputError& error) {
-    if (recording_format_of(file)) throw;
-    std::string known;
-    for (const auto& [format, name] : EnumNames<RecordingFormat>::value) {
-      known.append(known.empty() ? "" : ", ").append(name);
-    }
-    throw InputError(file.string() + ": unknown format; known: video, " + known);
-  }
-}
-
-// Stamps at which the flight's series begin; nullopt without a reading.
+// First stamp of all series; nullopt without a reading.
 std::optional<Timestamp> first_stamp(const ImportedFlight& flight) {
   std::optional<Timestamp> first;
   const auto include = [&](const auto& series) {
@@ -128,19 +124,19 @@ std::optional<Timestamp> first_stamp(const ImportedFlight& flight) {
   return first;
 }
 
-void set_clock(Recording& recording, RecordingFormat format, const ImportOptions& options) {
+void set_clock(Recording& recording, const ImportOptions& options) {
   if (recording.image_topic) {  // images and sensors have one clock
     recording.time_offset_s = 0;
     return;
   }
   const std::optional<Timestamp> first = first_stamp(recording.flight);
   if (!first) {
-    throw InputError(fmt::format(
-        "{}: a {} without a reading of a motion sensor; the file is damaged, or the log "
-        "level excludes them",
-        recording.log->string(), name_of(format)));
+    throw InputError(
+        fmt::format("{}: {} without a reading of a motion sensor; the file is damaged, or the log "
+                    "level excludes them",
+                    recording.log->file.string(), name_of(recording.log->format)));
   }
-  if (format == RecordingFormat::subtitles) return;  // on the clock of the video
+  if (recording.log->format == RecordingFormat::subtitles) return;  // on the clock of the video
   recording.flight.found(
       fmt::format("clock: of the log; the first reading is at {:.3f} s", to_seconds(*first)));
   recording.time_offset_s -= to_seconds(*first);
@@ -157,33 +153,32 @@ void set_clock(Recording& recording, RecordingFormat format, const ImportOptions
 Recording read_recording(const std::vector<fs::path>& files, const ImportOptions& options) {
   Files sorted = sort_files(files);
   find_siblings(sorted);
-  Recording out{.time_offset_s = options.log_start_s};
-  if (sorted.video) out.video = read_video(*sorted.video, !sorted.log);
-  out.log = sorted.log;
-  out.log_format = sorted.log_format;
-  if (sorted.log) {
-    try {
-      if (is_ros(sorted.log_format)) {
-        RosFlight ros = read_ros_flight(*sorted.log, sorted.log_format);
-        out.flight = std::move(ros.flight);
-        if (!sorted.video) out.image_topic = std::move(ros.image_topic);
-      } else {
-        out.flight = read_log(*sorted.log, sorted.log_format);
-      }
-    } catch (const InputError& error) {
-      const std::string name = sorted.log->string();
-      const std::string problem = error.what();
-      throw InputError(problem.starts_with(name) ? problem : name + ": " + problem);
-    }
-    std::vector<ImportNote> notes;
-    add_note(notes, ImportNote::Kind::found,
-             fmt::format("log: {}, {}", sorted.log->string(), name_of(sorted.log_format)));
-    notes.insert(notes.end(), out.flight.notes.begin(), out.flight.notes.end());
-    out.flight.notes = std::move(notes);
-    set_clock(out, sorted.log_format, options);
-  } else if (out.video && out.video->telemetry) {
-    out.flight = std::move(*out.video->telemetry);
+  Recording out{.log = sorted.log, .time_offset_s = options.log_start_s};
+  if (sorted.video) {
+    out.video = read_imported_video(*sorted.video, true);
+    if (out.video->telemetry) out.flight = std::move(*out.video->telemetry);
   }
+  options.poll();
+  if (!out.log) return out;
+  const ImportedFlight of_video = std::exchange(out.flight, {});
+  try {
+    RosFlight read = read_log(*out.log, options);
+    out.flight = std::move(read.flight);
+    if (!out.video) out.image_topic = std::move(read.image_topic);
+  } catch (const InputError& error) {
+    const std::string name = out.log->file.string();
+    const std::string problem = error.what();
+    throw InputError(problem.starts_with(name) ? problem : name + ": " + problem);
+  }
+  if (!out.flight.horizontal_fov_deg) {
+    out.flight.horizontal_fov_deg = of_video.horizontal_fov_deg;
+    out.flight.is_fisheye = of_video.is_fisheye;
+  }
+  out.flight.notes.insert(
+      out.flight.notes.begin(),
+      {.kind = ImportNote::Kind::found,
+       .text = fmt::format("log: {}, {}", out.log->file.string(), name_of(out.log->format))});
+  set_clock(out, options);
   return out;
 }
 

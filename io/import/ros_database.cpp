@@ -43,13 +43,12 @@ std::size_t read_ros_database(const std::filesystem::path& file, const TakeRosMe
     const std::string topic(text_column(row.get(), 0)), type = ros1_type(text_column(row.get(), 1));
     const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(row.get(), 3));
     const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(row.get(), 3));
-    if (!take({.topic = topic,
-               .type = type,
-               .logged = {sqlite3_column_int64(row.get(), 2)},
-               .data = {data, data == nullptr ? 0 : bytes},
-               .is_cdr = true})) {
-      return 0;
-    }
+    take({.topic = topic,
+          .type = type,
+          .logged =
+              time_of_recording(static_cast<std::uint64_t>(sqlite3_column_int64(row.get(), 2))),
+          .data = {data, data == nullptr ? 0 : bytes},
+          .is_cdr = true});
   }
   return step == SQLITE_DONE ? 0 : 1;
 }

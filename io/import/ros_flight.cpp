@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "io/import/mcap.hpp"
 #include "io/import/rosbag.hpp"
@@ -17,11 +20,23 @@ Eigen::Vector3d next_vector(RosFields& fields) {
   return {x, y, z};
 }
 
+// Length of the common beginning of two topics: those of one camera share a namespace.
+std::ptrdiff_t common_length(std::string_view a, std::string_view b) {
+  return std::ranges::mismatch(a, b).in1 - a.begin();
+}
+
 class RosFlightReader {
  public:
-  bool take(const RosMessage& message) {
-    const auto selected = topics_.try_emplace(std::string(message.type), message.topic).first;
-    if (selected->second != message.topic) return true;
+  void take(const RosMessage& message) {
+    const bool is_image =
+        message.type == "sensor_msgs/Image" || message.type == "sensor_msgs/CompressedImage";
+    std::vector<std::string>& topics = topics_[is_image ? kImages : std::string(message.type)];
+    if (std::ranges::find(topics, message.topic) == topics.end()) {
+      topics.emplace_back(message.topic);
+      RosFields fields(message);
+      if (message.type == "sensor_msgs/CameraInfo") take_camera(fields, message.topic);
+    }
+    if (message.topic != topics.front()) return;
     RosFields fields(message);
     if (message.type == "sensor_msgs/Imu") {
       take_imu(fields);
@@ -29,22 +44,28 @@ class RosFlightReader {
       take_position(fields);
     } else if (message.type == "sensor_msgs/Range") {
       take_range(fields);
-    } else if (message.type == "sensor_msgs/CameraInfo") {
-      if (!out_.flight.camera) take_camera(fields);
-    } else if (message.type == "sensor_msgs/Image" ||
-               message.type == "sensor_msgs/CompressedImage") {
-      if (!out_.image_topic) out_.image_topic = message.topic;
     }
-    return true;
   }
 
   RosFlight finish(std::size_t damaged) {
     ImportedFlight& flight = out_.flight;
-    for (const char* type : {"sensor_msgs/Imu", "sensor_msgs/NavSatFix", "sensor_msgs/Range",
-                             "sensor_msgs/CameraInfo"}) {
+    for (const char* type :
+         {kImages, "sensor_msgs/Imu", "sensor_msgs/NavSatFix", "sensor_msgs/Range"}) {
       const auto found = topics_.find(type);
-      if (found != topics_.end()) flight.found(fmt::format("{}: topic {}", type, found->second));
+      if (found == topics_.end()) continue;
+      const std::vector<std::string>& topics = found->second;
+      if (topics.size() == 1) {
+        flight.found(fmt::format("{}: topic {}", type, topics.front()));
+      } else {
+        flight.assumed(
+            fmt::format("{}: topic {}, the first of {}", type, topics.front(), topics.size()));
+      }
     }
+    if (const auto images = topics_.find(kImages); images != topics_.end()) {
+      out_.image_topic = images->second.front();
+    }
+    select_camera();
+    if (lacks_stamps_) flight.assumed("clock: time of recording of messages without a stamp");
     if (!flight.angular_rate_in_body_rad_s.stamps.empty()) {
       flight.assumed("imu: mounted with x forward, y left, z up (imu.rotation_wxyz)");
     }
@@ -54,9 +75,32 @@ class RosFlightReader {
   }
 
  private:
+  static constexpr const char* kImages = "images";
+
+  // Calibration of the camera whose namespace agrees best with that of the images.
+  void select_camera() {
+    if (cameras_.empty()) return;
+    const std::string_view images = out_.image_topic ? *out_.image_topic : std::string_view();
+    const auto best = std::ranges::max_element(
+        cameras_, {}, [&](const auto& camera) { return common_length(camera.first, images); });
+    out_.flight.camera = best->second;
+    const std::string text = fmt::format("sensor_msgs/CameraInfo: topic {}", best->first);
+    if (cameras_.size() == 1) {
+      out_.flight.found(text);
+    } else {
+      out_.flight.assumed(fmt::format("{}, the best name of {}", text, cameras_.size()));
+    }
+  }
+
+  Timestamp header_of(RosFields& fields) {
+    const Timestamp stamp = fields.header();
+    lacks_stamps_ = lacks_stamps_ || fields.lacks_stamp();
+    return stamp;
+  }
+
   void take_imu(RosFields& fields) {
     constexpr int kCovariance = 9;
-    const Timestamp stamp = fields.header();
+    const Timestamp stamp = header_of(fields);
     std::array<double, 4> q{};  // x y z w
     for (double& component : q) component = fields.next<double>();
     const auto has_no_orientation = fields.next<double>() == -1;
@@ -75,7 +119,7 @@ class RosFlightReader {
   }
 
   void take_position(RosFields& fields) {
-    const Timestamp stamp = fields.header();
+    const Timestamp stamp = header_of(fields);
     const auto status = fields.next<std::int8_t>();
     (void)fields.next<std::uint16_t>();
     const auto latitude = fields.next<double>(), longitude = fields.next<double>();
@@ -88,7 +132,7 @@ class RosFlightReader {
   }
 
   void take_range(RosFields& fields) {
-    const Timestamp stamp = fields.header();
+    const Timestamp stamp = header_of(fields);
     (void)fields.next<std::uint8_t>();
     (void)fields.next<float>();
     const auto least = fields.next<float>(), most = fields.next<float>();
@@ -97,7 +141,7 @@ class RosFlightReader {
     append(out_.flight.range_m, stamp, static_cast<double>(range), out_.flight.rejected);
   }
 
-  void take_camera(RosFields& fields) {
+  void take_camera(RosFields& fields, std::string_view topic) {
     (void)fields.header();
     CameraConfig camera;
     constexpr std::uint32_t kMinSide_px = 16, kMaxSide_px = 100'000;
@@ -126,11 +170,13 @@ class RosFlightReader {
       return;
     }
     if (model.empty()) camera.coefficients.clear();
-    out_.flight.camera = camera;
+    cameras_.emplace_back(topic, std::move(camera));
   }
 
   RosFlight out_;
-  std::map<std::string, std::string> topics_;  // first topic of each type
+  std::map<std::string, std::vector<std::string>> topics_;     // of each type
+  std::vector<std::pair<std::string, CameraConfig>> cameras_;  // topic, calibration
+  bool lacks_stamps_ = false;
 };
 
 }  // namespace
@@ -149,10 +195,13 @@ std::size_t read_ros_messages(const std::filesystem::path& file, RecordingFormat
   }
 }
 
-RosFlight read_ros_flight(const std::filesystem::path& file, RecordingFormat format) {
+RosFlight read_ros_flight(const std::filesystem::path& file, RecordingFormat format,
+                          const std::function<void()>& poll) {
   RosFlightReader reader;
-  const std::size_t damaged = read_ros_messages(
-      file, format, [&](const RosMessage& message) { return reader.take(message); });
+  const std::size_t damaged = read_ros_messages(file, format, [&](const RosMessage& message) {
+    poll();
+    reader.take(message);
+  });
   return reader.finish(damaged);
 }
 

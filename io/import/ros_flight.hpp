@@ -1,7 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
-#include <map>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -16,27 +17,30 @@ namespace stillkite {
 std::size_t read_ros_messages(const std::filesystem::path& file, RecordingFormat format,
                               const TakeRosMessage& take);
 
-/// Sensors of a ROS recording; of each type the first topic. Clock: the headers' stamps.
-///
-/// | message | fields | unit, frame |
-/// |---|---|---|
-/// | sensor_msgs/Imu | angular_velocity, linear_acceleration, orientation | rad/s, m/s^2; x
-/// forward, y left, z up (REP 103) | | sensor_msgs/NavSatFix with a fix | latitude, longitude,
-/// altitude | deg, m | | sensor_msgs/Range | range | m, along the body's -z | |
-/// sensor_msgs/CameraInfo | K, D | px | | sensor_msgs/Image, CompressedImage | first stamp and
-/// number | |
+/// Sensors of a ROS recording; of each type the first topic. Clock: the headers' stamps, or, of
+/// headers without, the time of recording. Messages, units and frames: docs/import.md.
 struct RosFlight {
   ImportedFlight flight;
   std::optional<std::string> image_topic;
 };
 
-/// Throws InputError if the file cannot be opened.
-[[nodiscard]] RosFlight read_ros_flight(const std::filesystem::path& file, RecordingFormat format);
+/// `poll` is called for each message and may throw to end the reading. Throws InputError if the
+/// file cannot be opened.
+[[nodiscard]] RosFlight read_ros_flight(const std::filesystem::path& file, RecordingFormat format,
+                                        const std::function<void()>& poll);
+
+/// Images written of a topic.
+struct RosImages {
+  std::size_t written = 0;
+  std::size_t rejected = 0;         ///< not JPEG, PNG or a known encoding, damaged, or out of order
+  std::string encoding;             ///< of the first rejected image
+  int width_px = 0, height_px = 0;  ///< of the first written image
+};
 
 /// Writes the images of a topic as an EuRoC camera: data.csv and data/STAMP.png, or .jpg as
-/// recorded. Images of other encodings and with stamps out of order are left out. Returns the
-/// number of images written. Throws std::runtime_error if a file cannot be written.
-std::size_t write_ros_images(const std::filesystem::path& file, RecordingFormat format,
-                             const std::string& topic, const std::filesystem::path& camera_folder);
+/// recorded. `poll` as above. Throws std::runtime_error if a file cannot be written.
+RosImages write_ros_images(const std::filesystem::path& file, RecordingFormat format,
+                           const std::string& topic, const std::filesystem::path& camera_folder,
+                           const std::function<void()>& poll);
 
 }  // namespace stillkite

@@ -1,8 +1,11 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "io/import/ros_flight.hpp"
@@ -31,78 +34,107 @@ constexpr std::array kRosEncodings{RosEncoding{"mono8", CV_8UC1},
                                    RosEncoding{"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2GRAY},
                                    RosEncoding{"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2GRAY}};
 
-// Encoded image of a message: extension and bytes.
+// Encoded image of a message: extension and bytes; without bytes, the encoding is not supported.
 struct ImageFile {
-  const char* extension;
+  const char* extension = nullptr;
   std::vector<std::uint8_t> bytes;
+  std::string encoding;
 };
 
 // As recorded, if it is JPEG or PNG.
-std::optional<ImageFile> compressed_image(RosFields& fields) {
-  (void)fields.text();
+ImageFile compressed_image(RosFields& fields) {
+  ImageFile out{.encoding = std::string(fields.text())};
   const Bytes data = fields.bytes();
-  if (!fields.is_valid() || data.size() < 4) return std::nullopt;
-  const std::vector<std::uint8_t> bytes(data.begin(), data.end());
-  if (bytes[0] == 0xFF && bytes[1] == 0xD8) return ImageFile{".jpg", bytes};
-  if (bytes[0] == 0x89 && bytes[1] == 'P') return ImageFile{".png", bytes};
-  return std::nullopt;
+  if (!fields.is_valid() || data.size() < 4) return out;
+  if (data[0] == 0xFF && data[1] == 0xD8) out.extension = ".jpg";
+  if (data[0] == 0x89 && data[1] == 'P') out.extension = ".png";
+  if (out.extension != nullptr) out.bytes.assign(data.begin(), data.end());
+  return out;
 }
 
 // As grey PNG.
-std::optional<ImageFile> raw_image(RosFields& fields) {
+ImageFile raw_image(RosFields& fields) {
   constexpr std::uint32_t kMaxSide_px = 32'768;
   const auto height = fields.next<std::uint32_t>(), width = fields.next<std::uint32_t>();
-  const std::string_view encoding = fields.text();
+  ImageFile out{.extension = ".png", .encoding = std::string(fields.text())};
   const bool is_big_endian = fields.next<std::uint8_t>() != 0;
   const std::size_t step = fields.next<std::uint32_t>();
   const Bytes data = fields.bytes();
-  if (!fields.is_valid() || width == 0 || height == 0) return std::nullopt;
-  if (width > kMaxSide_px || height > kMaxSide_px) return std::nullopt;
-  for (const RosEncoding& known : kRosEncodings) {
-    if (known.name != encoding) continue;
-    const bool is_wide = CV_MAT_DEPTH(known.type) == CV_16U;
-    if (step < width * CV_ELEM_SIZE(known.type) || data.size() / step < height) return std::nullopt;
-    if (is_wide && is_big_endian) return std::nullopt;
-    std::vector<std::uint8_t> pixels(data.begin(), data.end());
-    const cv::Mat image(static_cast<int>(height), static_cast<int>(width), known.type,
-                        pixels.data(), step);
-    cv::Mat grey = image;
-    if (known.to_grey >= 0) cv::cvtColor(image, grey, known.to_grey);
-    ImageFile out{".png", {}};
-    cv::imencode(".png", grey, out.bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
-    return out;
-  }
-  return std::nullopt;
+  if (!fields.is_valid() || width == 0 || height == 0) return out;
+  if (width > kMaxSide_px || height > kMaxSide_px) return out;
+  const auto* const known = std::ranges::find(kRosEncodings, out.encoding, &RosEncoding::name);
+  if (known == kRosEncodings.end()) return out;
+  if (step < width * CV_ELEM_SIZE(known->type) || data.size() / step < height) return out;
+  if (CV_MAT_DEPTH(known->type) == CV_16U && is_big_endian) return out;
+  std::vector<std::uint8_t> pixels(data.begin(), data.end());
+  const cv::Mat image(static_cast<int>(height), static_cast<int>(width), known->type, pixels.data(),
+                      step);
+  cv::Mat grey = image;
+  if (known->to_grey >= 0) cv::cvtColor(image, grey, known->to_grey);
+  cv::imencode(".png", grey, out.bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  return out;
 }
+
+// Size of the decoded image; empty if it is damaged.
+cv::Size size_of(const ImageFile& image) {
+  try {
+    return cv::imdecode(image.bytes, cv::IMREAD_GRAYSCALE).size();
+  } catch (const cv::Exception&) {  // larger than OpenCV's limit
+    return {};
+  }
+}
+
+class RosImageWriter {
+ public:
+  explicit RosImageWriter(fs::path folder)
+      : folder_(std::move(folder)), list_(folder_ / "data.csv") {
+    list_.write("#timestamp [ns],filename\n");
+  }
+
+  void take(const RosMessage& message) {
+    RosFields fields(message);
+    const Timestamp stamp = fields.header();
+    const ImageFile image = message.type == "sensor_msgs/CompressedImage" ? compressed_image(fields)
+                                                                          : raw_image(fields);
+    cv::Size size(out_.width_px, out_.height_px);
+    if (out_.written == 0 && !image.bytes.empty()) size = size_of(image);
+    if (stamp <= last_ || image.bytes.empty() || size.empty()) {
+      if (out_.rejected++ == 0) out_.encoding = image.encoding;
+      return;
+    }
+    const std::string name = fmt::format("{:019}{}", stamp.ns, image.extension);
+    write_file(folder_ / "data" / name,
+               {reinterpret_cast<const char*>(image.bytes.data()), image.bytes.size()});
+    list_.write(fmt::format("{},{}\n", stamp.ns, name));
+    last_ = stamp;
+    out_.width_px = size.width;
+    out_.height_px = size.height;
+    ++out_.written;
+  }
+
+  RosImages finish() {
+    list_.commit();
+    return out_;
+  }
+
+ private:
+  fs::path folder_;
+  OutputFile list_;
+  Timestamp last_{-1};
+  RosImages out_;
+};
 
 }  // namespace
 
-std::size_t write_ros_images(const fs::path& file, RecordingFormat format, const std::string& topic,
-                             const fs::path& camera_folder) {
+RosImages write_ros_images(const fs::path& file, RecordingFormat format, const std::string& topic,
+                           const fs::path& camera_folder, const std::function<void()>& poll) {
   fs::create_directories(camera_folder / "data");
-  OutputFile list(camera_folder / "data.csv");
-  list.write("#timestamp [ns],filename\n");
-  std::size_t images = 0;
-  Timestamp last{-1};
+  RosImageWriter writer(camera_folder);
   read_ros_messages(file, format, [&](const RosMessage& message) {
-    if (message.topic != topic) return true;
-    RosFields fields(message);
-    const Timestamp stamp = fields.header();
-    if (stamp <= last) return true;
-    const std::optional<ImageFile> image = message.type == "sensor_msgs/CompressedImage"
-                                               ? compressed_image(fields)
-                                               : raw_image(fields);
-    if (!image) return true;
-    const std::string name = fmt::format("{:019}{}", stamp.ns, image->extension);
-    write_file(camera_folder / "data" / name,
-               {reinterpret_cast<const char*>(image->bytes.data()), image->bytes.size()});
-    list.write(fmt::format("{},{}\n", stamp.ns, name));
-    last = stamp;
-    ++images;
-    return true;
+    poll();
+    if (message.topic == topic) writer.take(message);
   });
-  list.commit();
-  return images;
+  return writer.finish();
 }
 
 }  // namespace stillkite

@@ -2,7 +2,8 @@
 
 namespace stillkite {
 
-RosFields::RosFields(const RosMessage& message) : data_(message.data), is_cdr_(message.is_cdr) {
+RosFields::RosFields(const RosMessage& message)
+    : data_(message.data), is_cdr_(message.is_cdr), logged_(message.logged) {
   constexpr std::size_t kEncapsulation = 4;
   if (!is_cdr_) return;
   is_valid_ = data_.size() >= kEncapsulation && (data_[1] & 1) != 0;
@@ -31,6 +32,8 @@ Timestamp RosFields::header() {
   const auto seconds = next<std::int32_t>();
   const auto nanoseconds = next<std::uint32_t>();
   (void)text();
+  lacks_stamp_ = seconds == 0 && nanoseconds == 0;
+  if (lacks_stamp_) return logged_;
   return {std::int64_t{1'000'000'000} * seconds + nanoseconds};
 }
 

@@ -48,13 +48,12 @@ class RosbagReader {
   std::size_t read() {
     source_.skip(kVersionBytes);
     std::vector<std::uint8_t> header, data;
-    while (goes_on_) {
-      const Bytes length = source_.peek(4);
-      if (length.empty()) return damaged_;
+    while (true) {
+      if (source_.peek(1).empty()) return damaged_;
       if (!read_part(header, kMaxHeaderBytes) || !read_part(data, kMaxChunkBytes)) break;
       take_record(header, data, true);
     }
-    return damaged_ + (goes_on_ ? 1 : 0);
+    return damaged_ + 1;
   }
 
  private:
@@ -86,11 +85,11 @@ class RosbagReader {
       const Bytes time = field_of(fields, "time");
       const Timestamp logged{std::int64_t{1'000'000'000} * little_endian<std::uint32_t>(time, 0) +
                              little_endian<std::uint32_t>(time, 4)};
-      goes_on_ = goes_on_ && take_({.topic = found->second.topic,
-                                    .type = found->second.type,
-                                    .logged = logged,
-                                    .data = data,
-                                    .is_cdr = false});
+      take_({.topic = found->second.topic,
+             .type = found->second.type,
+             .logged = logged,
+             .data = data,
+             .is_cdr = false});
     } else if (op[0] == bag_chunk && may_be_chunk) {
       take_chunk(fields, data);
     }
@@ -113,7 +112,7 @@ class RosbagReader {
       rest = rest.subspan(4 + length);
       return part;
     };
-    while (goes_on_) {
+    while (true) {
       const std::optional<Bytes> header = take_part();
       const std::optional<Bytes> body = header ? take_part() : std::nullopt;
       if (!body) break;
@@ -125,7 +124,6 @@ class RosbagReader {
   const TakeRosMessage& take_;
   std::map<std::uint32_t, Connection> connections_;
   std::size_t damaged_ = 0;
-  bool goes_on_ = true;
 };
 
 }  // namespace

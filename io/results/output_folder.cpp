@@ -13,15 +13,20 @@ OutputFolder::OutputFolder(const fs::path& folder, std::uintmax_t bytes)
   // write to the link's target
   if (fs::is_symlink(folder_, failure)) folder_ = fs::weakly_canonical(folder_);
   part_ = fs::path(folder_) += ".part";
-  if (fs::exists(folder_, failure) &&
-      !(fs::is_directory(folder_, failure) && fs::is_empty(folder_, failure))) {
-    throw InputError(folder.string() +
-                     ": already exists; remove it or choose another folder with --out");
-  }
+  reject_existing(folder);
   if (fs::exists(part_, failure)) {
     throw InputError(part_.string() + ": already exists, possibly left by a killed run; remove it");
   }
   prepare_output_folder(part_, bytes);
+}
+
+void OutputFolder::reject_existing(const fs::path& folder) {
+  std::error_code failure;
+  if (fs::exists(folder, failure) &&
+      !(fs::is_directory(folder, failure) && fs::is_empty(folder, failure))) {
+    throw InputError(folder.string() +
+                     ": already exists; remove it or choose another folder with --out");
+  }
 }
 
 OutputFolder::~OutputFolder() {

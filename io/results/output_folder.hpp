@@ -16,6 +16,9 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
+  /// As the constructor, for a name that exists; before a long calculation.
+  static void reject_existing(const std::filesystem::path& folder);
+
   /// Folder to write to until commit().
   [[nodiscard]] const std::filesystem::path& part() const { return part_; }
   void commit();

@@ -15,7 +15,7 @@ awk '$1 != "#" {
 "$stillkite" import "$out/DJI_0001.MP4" --calibration "$flight/sensor.yaml" --out "$out/flight" \
   > "$out/notes" || exit 1
 cat "$out/notes"
-for line in "found    log: .*DJI_0001.SRT" "missing  imu" "assumed  mount" "assumed  initial height"; do
+for line in "found    log: .*DJI_0001.SRT" "missing  imu" "found    mount" "assumed  initial height"; do
   grep -q "^$line" "$out/notes" || { echo "no line '$line'"; exit 1; }
 done
 # subtitles have no attitude: that of the simulated start

@@ -128,10 +128,10 @@ TEST(ImportMutation, GoproPayload) {
 
 Reader ros_reader(RecordingFormat format) {
   return [format](const std::filesystem::path& file) {
-    const RosFlight ros = read_ros_flight(file, format);
+    const RosFlight ros = read_ros_flight(file, format, [] {});
     const TemporaryFolder images;
     if (ros.image_topic) {
-      (void)write_ros_images(file, format, *ros.image_topic, images.path() / "cam0");
+      (void)write_ros_images(file, format, *ros.image_topic, images.path() / "cam0", [] {});
     }
     return ros.flight;
   };

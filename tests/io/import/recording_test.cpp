@@ -107,6 +107,75 @@ TEST(FlightFolder, OmitsATruthFasterThanSound) {
   EXPECT_FALSE(load_run_config(out / "flight.yaml", {}).truth.positions);
 }
 
+TEST(FlightFolder, NamesASensorOnAnotherClock) {
+  const TemporaryFolder folder;
+  Recording recording = read_recording({folder.file("a.ulg", samples::ulog())}, {});
+  for (Timestamp& stamp : recording.flight.positions.stamps) {
+    stamp.ns += 1'700'000'000'000'000'000;  // since 1970
+  }
+  const std::vector<ImportNote> notes =
+      write_flight_folder(recording, {}, folder.path() / "flight");
+  EXPECT_TRUE(has_note(notes, ImportNote::Kind::missing,
+                       "common clock: no reading of GNSS position is at a time of the imu"));
+  EXPECT_FALSE(has_note(notes, ImportNote::Kind::missing, "no reading of GNSS velocity"));
+}
+
+TEST(FlightFolder, MountIsThatOfTheCalibration) {
+  const TemporaryFolder folder;
+  const std::string lens =
+      "cam0: {camera_model: pinhole, intrinsics: [240, 240, 159.5, 119.5], distortion_model: "
+      "radtan,"
+      " distortion_coeffs: [0, 0, 0, 0], resolution: [320, 240]";
+  const Recording recording = read_recording({folder.file("a.ulg", samples::ulog())}, {});
+  const auto imported = [&](const std::string& name, const std::string& calibration) {
+    const std::filesystem::path out = folder.path() / name;
+    const ImportOptions options{.calibration = folder.file(name + ".yaml", calibration)};
+    const std::vector<ImportNote> notes = write_flight_folder(recording, options, out);
+    EXPECT_NE(has_note(notes, ImportNote::Kind::assumed, "mount"),
+              has_note(notes, ImportNote::Kind::found, "mount: extrinsics of the calibration"));
+    return load_run_config(out / "flight.yaml", {});
+  };
+  EXPECT_EQ(imported("without", lens + "}").mount.down_deg, 90);
+  const std::string extrinsics =
+      ", T_cam_imu: [[0, -1, 0, 0], [-1, 0, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]}";
+  EXPECT_FALSE(imported("with", lens + extrinsics).mount.down_deg);
+}
+
+TEST(FlightFolder, CalibrationOfAnotherResolutionIsRejected) {
+  const TemporaryFolder folder;
+  const auto calibration = folder.file("lens.yaml",
+                                       "cam0: {camera_model: pinhole, intrinsics: [240, 240, "
+                                       "159.5, 119.5], distortion_model: radtan,"
+                                       " distortion_coeffs: [0, 0, 0, 0], resolution: [320, 240]}");
+  Recording recording = read_recording({folder.file("a.ulg", samples::ulog())}, {});
+  recording.video = ImportedVideo{.file = "a.mp4", .width_px = 640, .height_px = 480};
+  EXPECT_EQ(input_error_of(folder,
+                           [&] {
+                             (void)write_flight_folder(recording, {.calibration = calibration},
+                                                       folder.path() / "flight");
+                           }),
+            "lens.yaml: calibration of 320x240 images, but the recording has 640x480; give the "
+            "calibration of this resolution");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "flight"));
+}
+
+TEST(Recording, NamesTheUnknownAndTheEmptyFile) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("a.ulg", samples::ulog());
+  const auto text = folder.file("c.txt", "hello"), empty = folder.file("d.bin", "");
+  const auto error = [&](const std::vector<std::filesystem::path>& files) {
+    return input_error_of(folder, [&] { (void)read_recording(files, {}); });
+  };
+  EXPECT_EQ(error({text, text}).substr(0, 29), "c.txt: unknown format; known:");
+  EXPECT_EQ(error({log, empty}), "d.bin: the file is empty; copy it from the device again");
+}
+
+TEST(ImportNote, HasNoControlCharacters) {
+  std::vector<ImportNote> notes;
+  add_note(notes, ImportNote::Kind::found, "device 'a\x1b[2J\n'");
+  EXPECT_EQ(notes.at(0).text, "device 'a?[2J?'");
+}
+
 TEST(Recording, RejectsTwoLogsAndUnknownFormats) {
   const TemporaryFolder folder;
   const auto first = folder.file("a.ulg", samples::ulog());

@@ -1,6 +1,8 @@
 // ROS recordings in each container, serialization and compression.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
 #include "io/config/run_config.hpp"
@@ -16,7 +18,7 @@ namespace {
 void expect_ros_sample(const std::filesystem::path& file) {
   const std::optional<RecordingFormat> format = recording_format_of(file);
   ASSERT_TRUE(format);
-  const RosFlight ros = read_ros_flight(file, *format);
+  const RosFlight ros = read_ros_flight(file, *format, [] {});
   const ImportedFlight& flight = ros.flight;
   EXPECT_EQ(flight.rejected, 0U);
   ASSERT_EQ(flight.angular_rate_in_body_rad_s.values.size(), 10U);
@@ -63,7 +65,7 @@ TEST(RosRecordings, DamagedChunkIsReported) {
   const TemporaryFolder folder;
   std::string bag = samples::rosbag("bz2");
   bag[bag.size() - 20] ^= 1;
-  const RosFlight ros = read_ros_flight(folder.file("a.bag", bag), RecordingFormat::rosbag);
+  const RosFlight ros = read_ros_flight(folder.file("a.bag", bag), RecordingFormat::rosbag, [] {});
   ASSERT_EQ(ros.flight.notes.size(), 1U);
   EXPECT_EQ(ros.flight.notes[0].text, "1 damaged or cut off parts");
 }
@@ -100,6 +102,126 @@ TEST(RosRecordings, ImagesBecomeAEurocDataset) {
     EXPECT_EQ(grey.at<std::uint8_t>(0, 3), 1);
     EXPECT_EQ(grey.at<std::uint8_t>(15, 15), 127);
   }
+}
+
+bool has_note(const std::vector<ImportNote>& notes, const char* part) {
+  return std::ranges::any_of(
+      notes, [&](const ImportNote& note) { return note.text.find(part) != std::string::npos; });
+}
+
+// Images of an encoding; without stamps if the seconds are 0.
+samples::RosSample image_message(const char* encoding, std::int32_t seconds = 1) {
+  return {"/image", "Image",
+          samples::RosWriter(true)
+              .number(seconds)
+              .number(std::uint32_t{0})
+              .text("camera")
+              .number(std::uint32_t{16})
+              .number(std::uint32_t{16})
+              .text(encoding)
+              .number(std::uint8_t{0})
+              .number(std::uint32_t{16})
+              .data(std::string(256, 'x'))
+              .bytes()};
+}
+
+TEST(RosRecordings, LengthBeyondAllFileOffsetsEndsTheReading) {
+  const TemporaryFolder folder;
+  const std::string bytes = ByteWriter{}
+                                .text("\x89MCAP0\r\n")
+                                .little(std::uint8_t{0x99})
+                                .little(~std::uint64_t{19})
+                                .text("", 100)
+                                .bytes;
+  EXPECT_EQ(
+      input_error_of(folder, [&] { (void)read_recording({folder.file("a.mcap", bytes)}, {}); })
+          .substr(0, 38),
+      "a.mcap: MCAP recording without a readi");
+}
+
+TEST(RosRecordings, MessageWithoutStampHasTheTimeOfRecording) {
+  const TemporaryFolder folder;
+  const Recording recording = read_recording(
+      {folder.file("a.mcap", samples::mcap({image_message("mono8", 0)}, true, ""))}, {});
+  (void)write_flight_folder(recording, {}, folder.path() / "flight");
+  const std::optional<EurocDataset> dataset = find_euroc_dataset(folder.path() / "flight");
+  ASSERT_TRUE(dataset);
+  EXPECT_EQ(read_image_list(dataset->images_csv).at(0).stamp.ns, 5'000'000'000);
+}
+
+TEST(RosRecordings, UnknownEncodingIsNamed) {
+  const TemporaryFolder folder;
+  const Recording recording = read_recording(
+      {folder.file("a.mcap", samples::mcap({image_message("32FC1")}, true, ""))}, {});
+  EXPECT_EQ(input_error_of(
+                folder, [&] { (void)write_flight_folder(recording, {}, folder.path() / "flight"); })
+                .substr(0, 71),
+            "a.mcap: cannot read 1 of 1 images of topic /image, encoding '32FC1'; kn");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "flight"));
+}
+
+TEST(RosRecordings, ImagesWithoutCameraInfoHaveTheNominalLens) {
+  const TemporaryFolder folder;
+  const Recording recording = read_recording(
+      {folder.file("a.mcap", samples::mcap({image_message("mono8")}, true, ""))}, {});
+  (void)write_flight_folder(recording, {}, folder.path() / "flight");
+  const RunConfig config = load_run_config(folder.path() / "flight" / "flight.yaml", {});
+  ASSERT_TRUE(config.calibration.camera);
+  EXPECT_EQ(config.calibration.camera->width_px, 16);
+  EXPECT_NEAR(config.calibration.camera->focal_x_px, 8 / std::tan(35 * M_PI / 180), 1e-6);
+}
+
+TEST(RosRecordings, CalibrationIsOfTheImagesNamespace) {
+  const TemporaryFolder folder;
+  std::vector<samples::RosSample> messages = samples::ros_messages(true);
+  samples::RosSample info = messages.back();
+  messages.clear();
+  for (const char* name : {"/left", "/right"}) {
+    info.topic = std::string(name) + "/camera_info";
+    info.bytes[info.bytes.size() - 56] = name[1] == 'l' ? 1 : 2;  // in the mantissa of K[2]
+    messages.push_back(info);
+  }
+  messages.push_back(image_message("mono8"));
+  messages.back().topic = "/right/image_raw";
+  const RosFlight ros = read_ros_flight(folder.file("a.mcap", samples::mcap(messages, true, "")),
+                                        RecordingFormat::mcap, [] {});
+  EXPECT_TRUE(has_note(ros.flight.notes, "CameraInfo: topic /right/camera_info, the best"));
+}
+
+TEST(RosRecordings, InitialAttitudeIsThatOfTheFirstReadings) {
+  const TemporaryFolder folder;
+  std::vector<samples::RosSample> messages{image_message("mono8")};
+  for (int i = 0; i < 10; ++i) {
+    messages.push_back({"/imu", "Imu",
+                        samples::RosWriter(true)
+                            .header(i)
+                            .numbers({0, 0, 0, 1})
+                            .numbers({-1, 0, 0, 0, 0, 0, 0, 0, 0})
+                            .numbers({0, 0, 0})
+                            .numbers(std::vector<double>(9))
+                            .numbers({-9.81 * std::sin(0.1), 0, 9.81 * std::cos(0.1)})
+                            .numbers(std::vector<double>(9))
+                            .bytes()});
+  }
+  const Recording recording =
+      read_recording({folder.file("a.mcap", samples::mcap(messages, true, ""))}, {});
+  (void)write_flight_folder(recording, {}, folder.path() / "flight");
+  const RunConfig config = load_run_config(folder.path() / "flight" / "flight.yaml", {});
+  EXPECT_NEAR(config.initial.pitch_deg, 0.1 * 180 / M_PI, 0.01);
+}
+
+TEST(RosRecordings, InterruptedImportLeavesNoFolder) {
+  struct Stop {};
+  const TemporaryFolder folder;
+  const Recording recording = read_recording({folder.file("a.mcap", samples::mcap(true, ""))}, {});
+  int messages = 0;
+  const ImportOptions options{.poll = [&] {
+    if (++messages == 15) throw Stop{};
+  }};
+  const std::filesystem::path out = folder.path() / "flight";
+  EXPECT_THROW((void)write_flight_folder(recording, options, out), Stop);
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "flight.part"));
 }
 
 }  // namespace

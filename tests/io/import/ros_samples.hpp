@@ -130,8 +130,10 @@ struct RosSample {
   return out;
 }
 
-/// MCAP with one chunk.
-[[nodiscard]] inline std::string mcap(bool is_cdr, std::string_view compression) {
+/// MCAP with one chunk; each message is recorded 5 s after its clock's zero.
+[[nodiscard]] inline std::string mcap(const std::vector<RosSample>& messages, bool is_cdr,
+                                      std::string_view compression) {
+  constexpr std::uint64_t kLogged_ns = 5'000'000'000;
   const auto text = [](std::string_view value) {
     return ByteWriter{}.little(static_cast<std::uint32_t>(value.size())).text(value).bytes;
   };
@@ -140,7 +142,7 @@ struct RosSample {
   };
   std::string records;
   std::vector<std::string> topics;
-  for (const RosSample& message : ros_messages(is_cdr)) {
+  for (const RosSample& message : messages) {
     auto id = static_cast<std::uint16_t>(std::ranges::find(topics, message.topic) - topics.begin());
     if (id == topics.size()) {
       topics.push_back(message.topic);
@@ -162,7 +164,7 @@ struct RosSample {
     records += record(5, ByteWriter{}
                              .little(id)
                              .little(std::uint32_t{0})
-                             .little(std::uint64_t{0})
+                             .little(kLogged_ns)
                              .little(std::uint64_t{0})
                              .text(message.bytes)
                              .bytes);
@@ -180,6 +182,10 @@ struct RosSample {
   const std::string magic("\x89MCAP0\r\n", 8);
   return magic + record(1, text("ros2") + text("")) + record(6, chunk) +
          record(0x0F, std::string(4, '\0')) + magic;
+}
+
+[[nodiscard]] inline std::string mcap(bool is_cdr, std::string_view compression) {
+  return mcap(ros_messages(is_cdr), is_cdr, compression);
 }
 
 /// ROS 1 bag with one chunk.
