@@ -43,7 +43,6 @@ bool ByteSource::read(std::vector<std::uint8_t>& out, std::size_t count) {
 }
 
 void ByteSource::skip(std::uint64_t count) {
-  position_ += count;
   const std::uint64_t buffered = std::min<std::uint64_t>(count, end_ - begin_);
   begin_ += static_cast<std::size_t>(buffered);
   if (count > buffered) {  // a damaged length may exceed every file offset

@@ -57,14 +57,10 @@ class ByteSource {
   /// grows with the bytes read.
   [[nodiscard]] bool read(std::vector<std::uint8_t>& out, std::size_t count);
 
-  /// Bytes consumed.
-  [[nodiscard]] std::uint64_t position() const { return position_; }
-
  private:
   std::ifstream stream_;
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // unread bytes of buffer_
-  std::uint64_t position_ = 0;
 };
 
 }  // namespace stillkite

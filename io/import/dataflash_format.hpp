@@ -23,7 +23,6 @@ struct DataflashLayout {
   std::size_t bytes = 0;  ///< with the three of the header; 0: no message of this number
   std::vector<Field> fields;
 
-  [[nodiscard]] bool has(std::string_view field) const { return find(field) != nullptr; }
   /// Value in the unit of the format character: c, C, e, E are hundredths, L is 1e-7 deg. Nullopt
   /// without such a field or if it is text.
   [[nodiscard]] std::optional<double> number(Bytes message, std::string_view field) const;

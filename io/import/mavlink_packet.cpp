@@ -58,8 +58,7 @@ std::optional<MavlinkPacket> parse_mavlink(Bytes bytes) {
   const std::size_t header = is_second ? kHeader2 : kHeader1;
   MavlinkPacket packet{.system = bytes[is_second ? 5 : 3],
                        .component = bytes[is_second ? 6 : 4],
-                       .payload = bytes.subspan(header, bytes[1]),
-                       .bytes = size};
+                       .payload = bytes.subspan(header, bytes[1])};
   packet.message = is_second ? bytes[7] | bytes[8] << 8 | bytes[9] << 16 : bytes[5];
   const std::optional<std::uint8_t> seed = checksum_seed(packet.message);
   if (!seed) return std::nullopt;

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "geometry/time.hpp"
 #include "io/import/byte_source.hpp"
 
 namespace stillkite {
@@ -13,8 +12,7 @@ struct MavlinkPacket {
   std::uint32_t message = 0;  ///< number of the message type
   std::uint8_t system = 0;    ///< sender: vehicle or ground station
   std::uint8_t component = 0;
-  Bytes payload;          ///< version 2 omits zeros at the end
-  std::size_t bytes = 0;  ///< of the packet
+  Bytes payload;  ///< version 2 omits zeros at the end
 };
 
 /// Packet at the beginning of the bytes. Nullopt if there is none, if it is cut off, if its message

@@ -156,7 +156,12 @@ Recording read_recording(const std::vector<fs::path>& files, const ImportOptions
   Recording out{.log = sorted.log, .time_offset_s = options.log_start_s};
   if (sorted.video) {
     out.video = read_imported_video(*sorted.video, true);
-    if (out.video->telemetry) out.flight = std::move(*out.video->telemetry);
+    if (out.video->telemetry) {
+      out.flight = std::move(*out.video->telemetry);
+    } else if (!out.log) {
+      out.flight.missing(
+          "telemetry: the video has no GoPro or subtitle track, and no log is given");
+    }
   }
   options.poll();
   if (!out.log) return out;

@@ -26,7 +26,6 @@ struct UlogField {
 struct UlogLayout {
   std::map<std::string, UlogField, std::less<>> fields;
 
-  [[nodiscard]] bool has(std::string_view name) const { return fields.contains(name); }
   /// Value `index` of a field; nullopt if the field or the bytes are missing.
   [[nodiscard]] std::optional<double> number(Bytes message, std::string_view name,
                                              std::size_t index = 0) const;

@@ -67,7 +67,7 @@ TEST(UlogFormats, PlacesFieldsAfterNestedTypes) {
   const std::optional<UlogLayout> layout = formats.layout("message");
   ASSERT_TRUE(layout);
   EXPECT_EQ(layout->fields.at("b").offset, 1U + 3 * 20);
-  EXPECT_FALSE(layout->has("points"));
+  EXPECT_FALSE(layout->fields.contains("points"));
 }
 
 TEST(UlogFormats, RejectsEndlessNestingAndLargeMessages) {
