@@ -11,7 +11,7 @@ namespace {
 constexpr double kFiveSigma = 25;  // one degree of freedom
 constexpr double kFiveSigma3 = 31.8;
 
-// Differences that matter to a user, beside their significance.
+// Differences that matter to a user.
 constexpr double kMinTimeOffset_s = 0.005;
 constexpr double kMinCameraRotation_rad = 0.02;
 constexpr double kMinLeverArm_m = 0.02;
