@@ -54,6 +54,7 @@ class ImuPreintegration {
   [[nodiscard]] const std::vector<ImuSample>& samples() const { return samples_; }
   [[nodiscard]] const ImuNoise& noise() const { return noise_; }
   [[nodiscard]] const Eigen::Vector3d& gyro_bias_rad_s() const { return gyro_bias_rad_s_; }
+  [[nodiscard]] const Eigen::Vector3d& accel_bias_m_s2() const { return accel_bias_m_s2_; }
 
   /// Motion at other biases, first order: rotation (first IMU from last), velocity and position
   /// change in the first IMU's axes (Forster et al., eq. 44).

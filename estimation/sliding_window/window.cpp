@@ -1,9 +1,22 @@
 #include "estimation/sliding_window/window.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace stillkite {
+namespace {
+
+// Beyond the range of the first-order correction of a second's motion.
+bool biases_have_changed(const WindowFrame& frame) {
+  constexpr double kMin_rad_s = 1e-3;
+  constexpr double kMin_m_s2 = 1e-2;
+  const InertialState& state = frame.state;
+  return (state.gyro_bias_rad_s - frame.imu.gyro_bias_rad_s()).norm() > kMin_rad_s ||
+         (state.accel_bias_m_s2 - frame.imu.accel_bias_m_s2()).norm() > kMin_m_s2;
+}
+
+}  // namespace
 
 Vector6d WindowFrame::pose_rate() const {
   Vector6d rate;
@@ -73,12 +86,20 @@ void integrate_imu(Window& window, std::size_t frame) {
 }
 
 void linearize_at_present_extrinsics(Window& window) {
+  constexpr double kMinShift_s = 2e-5;
   const double shift_s = window.image_shift_s();
-  for (WindowFrame& frame : window.frames) {
-    frame.state.world_from_imu = frame.world_from_imu_after(shift_s, false);
+  const bool is_shifted = std::abs(shift_s) > kMinShift_s;
+  const double unshifted_s = window.first_extrinsics.time_offset_s;
+  if (is_shifted) {
+    for (WindowFrame& frame : window.frames) {
+      frame.state.world_from_imu = frame.world_from_imu_after(shift_s, false);
+    }
   }
   window.first_extrinsics = window.extrinsics;
-  for (std::size_t i = 1; i < window.frames.size(); ++i) integrate_imu(window, i);
+  if (!is_shifted) window.first_extrinsics.time_offset_s = unshifted_s;
+  for (std::size_t i = 1; i < window.frames.size(); ++i) {
+    if (is_shifted || biases_have_changed(window.frames[i])) integrate_imu(window, i);
+  }
 }
 
 }  // namespace stillkite
