@@ -45,6 +45,7 @@ double rest_depth_m(const InitialState& initial, const RigidTransform& body_from
 WindowNavigator::WindowNavigator(const Camera& camera, const RigidTransform& body_from_camera,
                                  const NavigatorConfig& config, const InitialState& initial)
     : body_from_camera_(body_from_camera),
+      focal_px_(camera.focal_x_px),
       max_unmeasured_s_(config.trust.max_gap_s),
       rest_depth_m_(rest_depth_m(initial, body_from_camera)),
       features_(camera, config.lens_sigma_px),
@@ -262,7 +263,10 @@ NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_ver
       .world_from_initial_camera = window_.world_from_first() * body_from_camera_,
       .twist_in_camera = {camera_from_world * velocity, camera_from_imu * rate},
       .velocity_in_world_m_s = velocity,
-      .quality = {.flow_vectors = features_.found_count()},
+      .quality = {.flow_vectors = features_.found_count(),
+                  .inlier_ratio = static_cast<double>(window_.points().inliers) /
+                                  std::max(1, window_.points().measured),
+                  .residual_px = focal_px_ * window_.points().residual},
       .new_keyframe = new_keyframe};
   const double density = window_.noise().gyro_density;
   Eigen::Matrix3d velocity_covariance =

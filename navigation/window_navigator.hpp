@@ -45,6 +45,7 @@ class WindowNavigator {
                                           bool new_keyframe) const;
 
   RigidTransform body_from_camera_;
+  double focal_px_;
   double max_unmeasured_s_;
   double rest_depth_m_;  // of the scene, for the velocity sigma at rest before any point is known
   KeyframeFeatures features_;

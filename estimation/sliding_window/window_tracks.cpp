@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,7 @@ MeasuredPoints reject_outliers(Window& window) {
   constexpr double kMinInverseDepth_1_m = 1e-6;
   const std::int64_t newest = window.frames.back().id;
   MeasuredPoints points;
+  double squared_sum = 0;
   ReprojectionErrors errors(window);
   for (WindowTrack& track : window.tracks) {
     if (!track.point) continue;
@@ -66,9 +68,13 @@ MeasuredPoints reject_outliers(Window& window) {
       if (!is_outlier(observation)) kept.push_back(observation);
     }
     track.observations = std::move(kept);
-    points.inliers += track.in(newest) != nullptr;
+    if (const WindowObservation* inlier = track.in(newest)) {
+      ++points.inliers;
+      squared_sum += errors.squared(track, *inlier) * inlier->variance();
+    }
     if (track.point->inverse_depth < kMinInverseDepth_1_m) track.point.reset();
   }
+  if (points.inliers > 0) points.residual = std::sqrt(squared_sum / (2 * points.inliers));
   return points;
 }
 

@@ -29,6 +29,7 @@ void triangulate_tracks(Window& window);
 struct MeasuredPoints {
   int measured = 0;
   int inliers = 0;
+  double residual = 0;  ///< RMS of an inlier's component, on z = 1
 };
 
 /// Removes observations of more than four standard deviations, and points behind their camera.

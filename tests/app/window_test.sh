@@ -24,6 +24,9 @@ message() {
 
 run right "$log"
 position_below right 0.01
+awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i ~ /^inlier_ratio/) column = i }
+        END { exit !($column > 0.5) }' "$out/right/estimates.csv" ||
+  { echo "right: fewer than half of the points are inliers"; exit 1; }
 if grep "imu\|mount" "$out/right.err"; then echo "right: a message accuses a right sensor"; exit 1; fi
 
 awk -F, -v OFS=, 'NR > 1 { $1 = sprintf("%.0f", $1 + 4e7) } 1' "$log" > "$out/late.csv"
