@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "tests/io/temporary_folder.hpp"
 #include "tests/io/video/frames.hpp"
