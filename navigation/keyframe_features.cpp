@@ -49,7 +49,8 @@ std::vector<FeatureObservation> KeyframeFeatures::track(const Frame& frame) {
     if (tracks.found[i] == 0) continue;
     // the feature moves as the centre of its patch, at most half a pixel away
     const Eigen::Vector2f offset_px = features_[i].at_px - features_[i].patch_px;
-    found_.push_back({i, tracks.current_px[i] + offset_px, tracks.covariance_px2[i]});
+    found_.push_back({i, tracks.current_px[i] + offset_px,
+                      features_[i].covariance_px2 + tracks.covariance_px2[i]});
   }
   return observations(found_);
 }
@@ -61,7 +62,9 @@ std::vector<FeatureObservation> KeyframeFeatures::take_keyframe(const Frame& fra
   // a patch's centre is half a pixel from its feature
   for (const Found& old : found_) {
     points_px.emplace_back(old.at_px.x() + 0.5F, old.at_px.y() + 0.5F);
-    features.push_back({.track_id = features_[old.feature].track_id, .at_px = old.at_px});
+    features.push_back({.track_id = features_[old.feature].track_id,
+                        .at_px = old.at_px,
+                        .covariance_px2 = old.covariance_px2});
     found.push_back(old);
   }
   DetectorConfig detector = detector_;

@@ -42,6 +42,8 @@ class KeyframeFeatures {
     std::int64_t track_id;
     Eigen::Vector2f at_px;
     Eigen::Vector2f patch_px = Eigen::Vector2f::Zero();
+    /// Of `at_px`, by the alignments to earlier keyframes: all images of this keyframe share it.
+    Eigen::Matrix2f covariance_px2 = Eigen::Matrix2f::Zero();
   };
   struct Found {
     std::size_t feature;
