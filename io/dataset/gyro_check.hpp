@@ -5,17 +5,9 @@
 #include <span>
 #include <string>
 
-#include "io/dataset/sensor_log.hpp"
+#include "io/dataset/rotation_comparison.hpp"
 
 namespace stillkite {
-
-/// Rotation of the body between two frames, estimated from the images alone.
-struct ObservedRotation {
-  Timestamp from;
-  Timestamp to;
-  /// Rotation vector.
-  Eigen::Vector3d rotation_in_body_rad = Eigen::Vector3d::Zero();
-};
 
 /// Message if gyroscope and image rotations disagree and one hypothesis explains it: no signal,
 /// degrees instead of radians, other axes, or a clock offset. Nullopt if the body hardly rotated or
