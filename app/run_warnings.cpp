@@ -16,6 +16,7 @@
 #include "geometry/angle.hpp"
 #include "geometry/euler.hpp"
 #include "io/dataset/sensor_checks.hpp"
+#include "io/setup/camera_findings.hpp"
 
 namespace stillkite {
 namespace {
@@ -61,24 +62,6 @@ std::optional<std::string> missing_scale(const FlightInputs& inputs) {
           : "; with estimator.policy=fused in metres once the column scale is imu");
 }
 
-std::optional<std::string> no_ground_in_view(const FlightInputs& inputs) {
-  const Camera& camera = inputs.camera;
-  const Eigen::Vector3d up =
-      (inputs.initial.world_from_body.rotation * inputs.body_from_camera.rotation).conjugate() *
-      Eigen::Vector3d::UnitZ();
-  for (const double x : {0, camera.width_px - 1}) {
-    for (const double y : {0, camera.height_px - 1}) {
-      const auto point = undistort(camera, {x, y});
-      if (!point || point->homogeneous().dot(up) < 0) return std::nullopt;
-    }
-  }
-  return fmt::format(
-      "no ground in the initial view: mount and attitude point the camera {:.0f} deg above the "
-      "horizon; check mount.down_deg or the calibration's mount, initial.roll_deg and "
-      "initial.pitch_deg",
-      std::atan2(up.z(), up.head<2>().norm()) / kDegree);
-}
-
 // z of map coordinates (UTM) is usually above sea level, not above the ground.
 std::optional<std::string> height_above_sea_level(const EstimatorRun& run) {
   constexpr double kMaxDistance_m = 10'000;
@@ -113,7 +96,10 @@ Messages input_warnings(const EstimatorRun& run) {
   Messages messages;
   if (const auto message = unused_by_the_window(run.config())) messages.push_back(*message);
   if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
-  if (const auto message = no_ground_in_view(run.inputs())) messages.push_back(*message);
+  if (const auto message =
+          no_ground_in_view(run.inputs().camera, run.inputs().initial.world_from_body.rotation *
+                                                     run.inputs().body_from_camera.rotation))
+    messages.push_back(*message);
   if (const auto message = height_above_sea_level(run)) messages.push_back(*message);
   if (run.inputs().mount_note) messages.push_back(*run.inputs().mount_note);
   const GroundTruth& truth = run.inputs().truth;

@@ -22,6 +22,13 @@ Eigen::Quaterniond to_quaternion(const EulerAngles& angles) {
          AngleAxisd(angles.roll_rad, Vector3d::UnitX());
 }
 
+EulerAngles attitude_of_up(const Eigen::Vector3d& up_in_body) {
+  const Eigen::Vector3d up = up_in_body.normalized();  // of R = Rz Ry Rx: the last row
+  return {.yaw_rad = 0,
+          .pitch_rad = -std::asin(std::clamp(up.x(), -1.0, 1.0)),
+          .roll_rad = std::atan2(up.y(), up.z())};
+}
+
 Eigen::Vector3d euler_rates(const EulerAngles& angles,
                             const Eigen::Vector3d& angular_rate_in_body_rad_s) {
   const Eigen::Vector3d& w = angular_rate_in_body_rad_s;

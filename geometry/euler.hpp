@@ -18,6 +18,10 @@ struct EulerAngles {
 
 [[nodiscard]] Eigen::Quaterniond to_quaternion(const EulerAngles& angles);
 
+/// Roll and pitch of a body in which the world's z axis has the direction `up_in_body`, not zero;
+/// yaw 0.
+[[nodiscard]] EulerAngles attitude_of_up(const Eigen::Vector3d& up_in_body);
+
 /// Rates (yaw, pitch, roll) of the ZYX angles from the angular rate in the body frame, rad/s.
 /// Singular at pitch = +-90 deg.
 [[nodiscard]] Eigen::Vector3d euler_rates(const EulerAngles& angles,

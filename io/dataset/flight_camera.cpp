@@ -43,23 +43,25 @@ Eigen::Quaterniond body_from_camera_looking_down(double down_deg) {
 
 }  // namespace
 
-Calibration find_calibration(const RunConfig& config, const std::optional<EurocDataset>& dataset,
-                             const cv::Size& size, const ImageMask* mask) {
+NamedCalibration configured_calibration(const RunConfig& config,
+                                        const std::optional<EurocDataset>& dataset) {
   if (config.calibration.path && config.calibration.camera) {
     throw InputError("calibration.path and calibration.camera are both set; keep one");
   }
-  std::string origin = "calibration.camera";
-  Calibration found;
   if (config.calibration.camera) {
-    found = calibration_of(*config.calibration.camera);
-  } else if (config.calibration.path || (dataset && dataset->calibration)) {
-    const auto file = config.calibration.path ? *config.calibration.path : *dataset->calibration;
-    origin = file.string();
-    found = read_calibration(file);
-  } else {
-    throw InputError(config.source.path.string() +
-                     ": no calibration found; set calibration.path or calibration.camera");
+    return {calibration_of(*config.calibration.camera), "calibration.camera"};
   }
+  if (config.calibration.path || (dataset && dataset->calibration)) {
+    const auto file = config.calibration.path ? *config.calibration.path : *dataset->calibration;
+    return {read_calibration(file), file.string()};
+  }
+  throw InputError(config.source.path.string() +
+                   ": no calibration found; set calibration.path or calibration.camera");
+}
+
+Calibration find_calibration(const RunConfig& config, const std::optional<EurocDataset>& dataset,
+                             const cv::Size& size, const ImageMask* mask) {
+  const auto [found, origin] = configured_calibration(config, dataset);
   if (found.camera.width_px != size.width || found.camera.height_px != size.height) {
     throw InputError(fmt::format(
         "{}: calibration of {}x{} images, but {} has {}x{}; give the calibration of this "

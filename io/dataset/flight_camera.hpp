@@ -12,8 +12,18 @@ namespace stillkite {
 
 class ImageMask;
 
-/// Calibration of the configuration, else of the data set. Throws InputError without one, with two,
-/// if its size differs from the images', and if its lens model is not one-to-one where `mask` (may
+/// Calibration with the file or section that it is from.
+struct NamedCalibration {
+  Calibration calibration;
+  std::string origin;
+};
+
+/// Calibration of the configuration, else of the data set. Throws InputError without one or with
+/// two.
+[[nodiscard]] NamedCalibration configured_calibration(const RunConfig& config,
+                                                      const std::optional<EurocDataset>& dataset);
+
+/// The same, checked against the images. Throws InputError if its size differs from the images', and if its lens model is not one-to-one where `mask` (may
 /// be null) does not hide the scene.
 [[nodiscard]] Calibration find_calibration(const RunConfig& config,
                                            const std::optional<EurocDataset>& dataset,

@@ -169,6 +169,10 @@ TimeSeries<Eigen::Quaterniond> read_body_attitudes(const AxesLogConfig& config) 
 
 }  // namespace
 
+Eigen::Quaterniond configured_body_from_sensor(const AxesLogConfig& log, const std::string& key) {
+  return body_from_sensor(log, key, log.path ? read_imu_description(*log.path) : std::nullopt);
+}
+
 FusionConfig with_imu_noise(FusionConfig fusion, const ImuNoiseConfig& noise) {
   fusion.gyro_density = noise.gyro_density.value_or(fusion.gyro_density);
   fusion.gyro_bias_walk = noise.gyro_bias_walk.value_or(fusion.gyro_bias_walk);

@@ -15,6 +15,11 @@ namespace stillkite {
 [[nodiscard]] SensorLog read_sensors(const RunConfig& config,
                                      std::optional<double> timeshift_cam_imu_s);
 
+/// Rotation of the section `key` (imu, gyro), else of the sensor.yaml next to its log, else none.
+/// Throws InputError on an invalid one.
+[[nodiscard]] Eigen::Quaterniond configured_body_from_sensor(const AxesLogConfig& log,
+                                                             const std::string& key);
+
 /// The fusion's noise densities with those of the IMU.
 [[nodiscard]] FusionConfig with_imu_noise(FusionConfig fusion, const ImuNoiseConfig& noise);
 

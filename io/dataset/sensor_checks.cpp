@@ -13,29 +13,11 @@
 #include "geometry/angle.hpp"
 #include "geometry/fields.hpp"
 #include "geometry/gravity.hpp"
+#include "geometry/median.hpp"
 #include "io/dataset/interpolation_noise.hpp"
 
 namespace stillkite {
 namespace {
-
-// Median over the seconds of the log of |mean force|: vibration cancels in each mean.
-double median_mean_force_m_s2(const TimeSeries<Vector6d>& imu) {
-  constexpr double kInterval_s = 1;
-  std::vector<double> means_m_s2;
-  for (std::size_t begin = 0; begin < imu.stamps.size();) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    std::size_t i = begin;
-    for (; i < imu.stamps.size() && seconds_between(imu.stamps[begin], imu.stamps[i]) < kInterval_s;
-         ++i) {
-      sum += imu.values[i].tail<3>();
-    }
-    means_m_s2.push_back(sum.norm() / static_cast<double>(i - begin));
-    begin = i;
-  }
-  const auto middle = means_m_s2.begin() + std::ssize(means_m_s2) / 2;
-  std::nth_element(means_m_s2.begin(), middle, means_m_s2.end());
-  return *middle;
-}
 
 // Mean force and integrated rate of an interval of 0.2 s.
 struct IntervalMean {
@@ -60,16 +42,11 @@ std::vector<IntervalMean> interval_means(const TimeSeries<Vector6d>& imu) {
   return out;
 }
 
-// Unit that makes the mean force gravity.
 std::string force_remedy(double mean_m_s2) {
-  constexpr double kMaxDeviation = 0.25;
-  constexpr std::pair<const char*, double> kUnits_m_s2[] = {
-      {"g", kGravity_m_s2}, {"mg or cm/s^2", 1e-3 * kGravity_m_s2}, {"ft/s^2", 0.3048}};
-  for (const auto& [unit, factor] : kUnits_m_s2) {
-    if (std::abs(factor * mean_m_s2 / kGravity_m_s2 - 1) > kMaxDeviation) continue;
+  if (const std::optional<ForceUnit> unit = probable_force_unit(mean_m_s2)) {
     return fmt::format(
         "the values are probably in {}: convert them to m/s^2 (factor {:.5g}), gravity included",
-        unit, factor);
+        unit->name, unit->factor);
   }
   return mean_m_s2 < kGravity_m_s2 ? "gravity is missing: log the accelerometer itself, gravity "
                                      "included (+9.81 upward at "
@@ -151,6 +128,32 @@ std::optional<std::string> rate_warning(const TimeSeries<Value>& series, const c
 
 }  // namespace
 
+std::vector<double> mean_force_magnitudes_m_s2(const TimeSeries<Vector6d>& imu) {
+  constexpr double kInterval_s = 1;
+  std::vector<double> means_m_s2;
+  for (std::size_t begin = 0; begin < imu.stamps.size();) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    std::size_t i = begin;
+    for (; i < imu.stamps.size() && seconds_between(imu.stamps[begin], imu.stamps[i]) < kInterval_s;
+         ++i) {
+      sum += imu.values[i].tail<3>();
+    }
+    means_m_s2.push_back(sum.norm() / static_cast<double>(i - begin));
+    begin = i;
+  }
+  return means_m_s2;
+}
+
+std::optional<ForceUnit> probable_force_unit(double mean_m_s2) {
+  constexpr double kMaxDeviation = 0.25;
+  constexpr ForceUnit kUnits[] = {
+      {"g", kGravity_m_s2}, {"mg or cm/s^2", 1e-3 * kGravity_m_s2}, {"ft/s^2", 0.3048}};
+  for (const ForceUnit& unit : kUnits) {
+    if (std::abs(unit.factor * mean_m_s2 / kGravity_m_s2 - 1) <= kMaxDeviation) return unit;
+  }
+  return std::nullopt;
+}
+
 void check_specific_forces(const TimeSeries<Vector6d>& imu, const std::string& key,
                            const Eigen::Quaterniond& world_from_body, Timestamp start) {
   constexpr double kInitialInterval_s = 1;
@@ -160,7 +163,8 @@ void check_specific_forces(const TimeSeries<Vector6d>& imu, const std::string& k
     if (std::abs(seconds_between(start, imu.stamps[i])) < kInitialInterval_s)
       initial_sum_m_s2 += imu.values[i].tail<3>();
   }
-  const double mean_m_s2 = median_mean_force_m_s2(imu);
+  std::vector<double> means_m_s2 = mean_force_magnitudes_m_s2(imu);
+  const double mean_m_s2 = upper_median(means_m_s2);
   if (mean_m_s2 < kMinForce_m_s2 || mean_m_s2 > kMaxForce_m_s2) {
     throw InputError(
         fmt::format("{}: the mean specific force is {:.3g} m/s^2, expected about {} "

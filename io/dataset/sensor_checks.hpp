@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,19 @@
 // Plausibility checks of sensor logs.
 
 namespace stillkite {
+
+/// Magnitude of the mean specific force of each second of the log, not empty: vibration cancels in
+/// each mean.
+[[nodiscard]] std::vector<double> mean_force_magnitudes_m_s2(const TimeSeries<Vector6d>& imu);
+
+/// Unit of a specific force; m/s^2 = factor x value.
+struct ForceUnit {
+  const char* name;
+  double factor;
+};
+
+/// Unit in which a mean specific force is gravity within 25 %; nullopt without one.
+[[nodiscard]] std::optional<ForceUnit> probable_force_unit(double mean_m_s2);
 
 /// Throws InputError if the mean specific force of a second is not within a factor of 3 of gravity
 /// (wrong unit, gravity removed), or if it points down in the body frame (x forward, y left, z up)

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/angle.hpp"
+#include "geometry/euler.hpp"
 #include "io/dataset/calibration.hpp"
 #include "io/import/calibration_section.hpp"
 
@@ -180,9 +181,9 @@ class FlightYaml {
       assumed("initial attitude: level (initial.pitch_deg, roll_deg)");
       return {};
     }
-    const Eigen::Vector3d up = sum.normalized();  // of R = Rz Ry Rx: the last row
-    const double pitch_deg = -std::asin(up.x()) / kDegree;
-    const double roll_deg = std::atan2(up.y(), up.z()) / kDegree;
+    const EulerAngles attitude = attitude_of_up(sum);
+    const double pitch_deg = attitude.pitch_rad / kDegree;
+    const double roll_deg = attitude.roll_rad / kDegree;
     assumed(
         fmt::format("initial attitude: pitch {:.1f} deg, roll {:.1f} deg by the accelerometer, at "
                     "rest or uniform "
