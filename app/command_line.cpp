@@ -49,6 +49,7 @@ ExitCode parse_and_run(int argc, char** argv, const std::string& version) {
   add_hover(app);
   add_batch(app);
   add_import(app);
+  add_check(app);
   add_config(app);
 
   const std::string first = argc > 1 ? argv[1] : "";
@@ -76,6 +77,8 @@ ExitCode exit_code_of(int argc, char** argv, const std::string& version) {
     return fail(ExitCode::wrong_input, error.what());
   } catch (const Interrupted&) {
     return ExitCode::interrupted;
+  } catch (const CheckFailed& found) {
+    return found.is_wrong ? ExitCode::wrong_input : ExitCode::failed;
   } catch (const std::exception& error) {
     return fail(ExitCode::failed, error.what());
   } catch (...) {
