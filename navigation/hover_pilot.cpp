@@ -8,6 +8,7 @@
 #include "navigation/pilot_step.hpp"
 #include "navigation/station_attitude.hpp"
 #include "stabilization/hold_controller.hpp"
+#include "stabilization/hold_setpoint.hpp"
 
 namespace stillkite {
 
@@ -15,7 +16,9 @@ struct HoverPilot::State {
   RigidTransform body_from_camera;
   FrameCopies copies;
   Navigator navigator;
+  HoldMode mode;
   HoldController controller;
+  HoldSetpoint setpoint = {};
   StationAttitude attitude;
   std::optional<Matrix6d> initial_covariance;  // of the first frame's pose
 };
@@ -28,6 +31,7 @@ HoverPilot::HoverPilot(const Camera& camera, const RigidTransform& body_from_cam
           State{.body_from_camera = body_from_camera,
                 .copies = FrameCopies(camera, valid_pixels),
                 .navigator = Navigator(camera, body_from_camera, navigator, initial, estimator),
+                .mode = hold.mode,
                 .controller = HoldController(hold)})) {}
 HoverPilot::~HoverPilot() = default;
 HoverPilot::HoverPilot(HoverPilot&&) noexcept = default;
@@ -52,12 +56,21 @@ PilotStep HoverPilot::step(const Frame& frame, const TetheredReadings& readings)
   const Eigen::Quaterniond integrated =
       state.attitude.step(out.estimate.world_from_body.rotation, readings.sensors.attitude);
   const Eigen::Quaterniond station_from_body = readings.station_from_body.value_or(integrated);
-  // 3. Command that corrects the displacement.
+  // 3. Displacement from the pose to hold.
+  const MotionEstimate since_reference =
+      motion_estimate(out.estimate, *state.initial_covariance, state.body_from_camera);
+  // the paper's mean shift is relative to the reference image
+  if (readings.hold_here && state.mode == HoldMode::recommended) {
+    out.is_setpoint_moved = state.setpoint.move_to(since_reference);
+  }
+  out.motion = state.setpoint.relative(since_reference);
+  // 4. Command that corrects the displacement.
   out.decision = state.controller.decide(
       {.now = readings.now,
-       .estimate = motion_estimate(out.estimate, *state.initial_covariance, state.body_from_camera),
+       .estimate = out.motion,
        .tether = readings.tether,
-       .station_from_camera = station_from_body * state.body_from_camera.rotation});
+       .station_from_camera = station_from_body * state.body_from_camera.rotation,
+       .withheld = readings.withheld});
   return out;
 }
 

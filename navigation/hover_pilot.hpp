@@ -22,6 +22,11 @@ struct TetheredReadings {
   /// integrated from the images, initial yaw 0.
   std::optional<Eigen::Quaterniond> station_from_body;
   SensorReadings sensors;  ///< readings for the navigator
+  /// Reason of operator or ground station to withhold the command.
+  HoldReason withheld = HoldReason::none;
+  /// Hold the pose of this image from now on, instead of the reference pose. Without effect unless
+  /// its displacement is measured and metric, and in mode paper.
+  bool hold_here = false;
 };
 
 /// Estimate and command of one image.

@@ -30,16 +30,24 @@ bool all_zero(const TetherCommand& c) {
          c.yaw_rate_rad_s == 0;
 }
 
-HoldReason reason_of(const HoldPlan& plan, const HoldInput& input) {
+bool is_beyond(const VehicleLimits& limits, const TetherState& tether) {
+  return tether.length_m < limits.min_length_m || tether.length_m > limits.max_length_m ||
+         tether.elevation_rad < limits.min_elevation_rad ||
+         tether.elevation_rad > limits.max_elevation_rad();
+}
+
+HoldReason reason_of(const VehicleLimits& limits, const HoldPlan& plan, const HoldInput& input) {
   if (plan.reason != HoldReason::none) return plan.reason;
+  if (is_beyond(limits, input.tether->tether)) return HoldReason::at_limit;
   if (!input.tether->taut) return HoldReason::tether_slack;
   return all_zero(plan.command) ? HoldReason::within_dead_band : HoldReason::none;
 }
 
-HoldDecision decision_of(const HoldPlan& plan, const HoldInput& input) {
+HoldDecision decision_of(const VehicleLimits& limits, const HoldPlan& plan,
+                         const HoldInput& input) {
   return {.command = plan.command,
           .action = all_zero(plan.command) ? HoldAction::hold : HoldAction::command,
-          .reason = reason_of(plan, input),
+          .reason = reason_of(limits, plan, input),
           .position_error_in_station_m = plan.position_error_in_station_m,
           .yaw_error_rad = plan.yaw_error_rad};
 }
@@ -100,7 +108,11 @@ HoldDecision HoldController::decide(const HoldInput& latest) {
   if (reason == HoldReason::none && uses_tether_model()) {
     input.tether->tether = tether_model_.update(latest.tether->tether);
   }
-  const HoldPlan plan = this->plan(input, reason, dt_s);
+  HoldPlan plan = this->plan(input, reason, dt_s);
+  if (reason == HoldReason::none) {
+    // the measured direction counts for the limits; wind deflects it from the modelled one
+    plan.command = within_limits(config_.limits, latest.tether->tether, plan.command);
+  }
   state_ = plan.state;
   TranslationYaw commanded = TranslationYaw::Zero();
   if (plan.reason == HoldReason::none) last_position_control_ = input.now;
@@ -110,7 +122,7 @@ HoldDecision HoldController::decide(const HoldInput& latest) {
   }
   velocity_model_.set_command(commanded);
   tether_model_.set_command(plan.command);
-  return decision_of(plan, input);
+  return decision_of(config_.limits, plan, latest);
 }
 
 }  // namespace stillkite

@@ -21,15 +21,6 @@ struct TetherReading {
   bool taut = true;  ///< if false, the length is not the distance of the drone
 };
 
-/// Inputs of the controller at a control instant.
-struct HoldInput {
-  Timestamp now;
-  std::optional<MotionEstimate> estimate;  ///< latest
-  std::optional<TetherReading> tether;     ///< latest
-  /// Attitude of the camera at the estimate's exposure, from the IMU and the gimbal.
-  Eigen::Quaterniond station_from_camera = Eigen::Quaterniond::Identity();
-};
-
 enum class HoldAction {
   hold,     ///< all rates are 0
   command,  ///< at least one rate is not 0
@@ -43,6 +34,14 @@ struct EnumNames<HoldAction> {
 /// Reason for no command, or for one that does not control both position and yaw.
 enum class HoldReason {
   none,                  ///< position and yaw are both controlled
+  not_engaged,           ///< live: no operator has engaged the controller
+  stopped,               ///< live: an operator has stopped the commands of this flight
+  station_mode,          ///< live: mode of the ground station, such as stick, landing or return
+  station_fault,         ///< live: the ground station reports a fault
+  station_silent,        ///< live: telemetry of the ground station is missing or too old
+  not_measured,          ///< live: no image has been measured for longer than configured
+  estimator_silent,      ///< live: no decision has reached the supervising process in time
+  estimator_ended,       ///< live: the estimator's process has ended
   no_estimate,           ///< no estimate received yet
   estimate_lost,         ///< the estimator measured nothing
   estimate_gated,        ///< the estimator's gate rejected the measurement
@@ -52,6 +51,7 @@ enum class HoldReason {
   tether_stale,          ///< too old, or stamped in the future
   tether_slack,          ///< `max_slack_m` limits the length
   tether_out_of_range,   ///< impossible length, elevation or azimuth
+  at_limit,              ///< length or elevation is beyond its limit: only rates back to it
   angle_first,           ///< rotation is corrected, or awaited, before translation
   displacement_unknown,  ///< rotation is measured, translation is not
   within_dead_band,      ///< errors are within the dead bands
@@ -60,6 +60,14 @@ template <>
 struct EnumNames<HoldReason> {
   static constexpr auto value = std::to_array<std::pair<HoldReason, std::string_view>>(
       {{HoldReason::none, "none"},
+       {HoldReason::not_engaged, "not_engaged"},
+       {HoldReason::stopped, "stopped"},
+       {HoldReason::station_mode, "station_mode"},
+       {HoldReason::station_fault, "station_fault"},
+       {HoldReason::station_silent, "station_silent"},
+       {HoldReason::not_measured, "not_measured"},
+       {HoldReason::estimator_silent, "estimator_silent"},
+       {HoldReason::estimator_ended, "estimator_ended"},
        {HoldReason::no_estimate, "no_estimate"},
        {HoldReason::estimate_lost, "estimate_lost"},
        {HoldReason::estimate_gated, "estimate_gated"},
@@ -69,9 +77,21 @@ struct EnumNames<HoldReason> {
        {HoldReason::tether_stale, "tether_stale"},
        {HoldReason::tether_slack, "tether_slack"},
        {HoldReason::tether_out_of_range, "tether_out_of_range"},
+       {HoldReason::at_limit, "at_limit"},
        {HoldReason::angle_first, "angle_first"},
        {HoldReason::displacement_unknown, "displacement_unknown"},
        {HoldReason::within_dead_band, "within_dead_band"}});
+};
+
+/// Inputs of the controller at a control instant.
+struct HoldInput {
+  Timestamp now;
+  std::optional<MotionEstimate> estimate;  ///< latest
+  std::optional<TetherReading> tether;     ///< latest
+  /// Attitude of the camera at the estimate's exposure, from the IMU and the gimbal.
+  Eigen::Quaterniond station_from_camera = Eigen::Quaterniond::Identity();
+  /// Reason of operator or ground station to withhold the command; precedes all others.
+  HoldReason withheld = HoldReason::none;
 };
 
 /// Command within the vehicle's limits for any input. Action `hold` always has a reason; `command`

@@ -51,6 +51,7 @@ bool is_possible(const VehicleLimits& limits, const TetherState& tether) {
 }  // namespace
 
 HoldReason reason_to_hold(const HoldConfig& config, const HoldInput& input) {
+  if (input.withheld != HoldReason::none) return input.withheld;
   if (!input.estimate) return HoldReason::no_estimate;
   const MotionEstimate& estimate = *input.estimate;
   if (estimate.status == EstimateStatus::lost) return HoldReason::estimate_lost;

@@ -161,11 +161,13 @@ HoldReason expected_reason(const Case& c) {
   if (c.kind == DisplacementKind::zero && c.mode == HoldMode::paper) {
     return HoldReason::within_dead_band;
   }
+  if (c.tether == Tether::full || c.tether == Tether::low) return HoldReason::at_limit;
   return c.tether == Tether::slack ? HoldReason::tether_slack : HoldReason::none;
 }
 
 bool may_move(HoldReason reason) {
-  return reason == HoldReason::none || reason == HoldReason::tether_slack;
+  return reason == HoldReason::none || reason == HoldReason::tether_slack ||
+         reason == HoldReason::at_limit;
 }
 
 bool may_yaw(HoldReason reason) {
@@ -230,6 +232,58 @@ TEST(HoldController, StaysWithinLimitsOverAllInputsInSequence) {
       if (testing::Test::HasFatalFailure()) return;
     }
   }
+}
+
+// A reason of operator or ground station precedes those of the estimate. The drone is then not
+// modelled as moving: on release the first command is that of a new controller.
+TEST(HoldController, WithholdsEveryCommandForAReasonFromOutside) {
+  HoldController controller({}), fresh({});
+  HoldInput input = input_of({});
+  const HoldInput first = input;
+  for (int k = 0; k < 60; ++k) {
+    input.withheld = HoldReason::not_engaged;
+    const HoldDecision held = controller.decide(input);
+    ASSERT_EQ(held.action, HoldAction::hold);
+    ASSERT_EQ(held.reason, HoldReason::not_engaged);
+    input.now.ns += 33'000'000;
+    input.estimate->stamp.ns += 33'000'000;
+    input.tether->stamp.ns += 33'000'000;
+  }
+  input.withheld = HoldReason::none;
+  const TetherCommand released = controller.decide(input).command;
+  const TetherCommand expected = fresh.decide(first).command;
+  EXPECT_GT(std::abs(expected.length_rate_m_s) + std::abs(expected.elevation_rate_rad_s), 0.1);
+  // the lead over one step differs from that of a first step, 3 %
+  EXPECT_NEAR(released.elevation_rate_rad_s, expected.elevation_rate_rad_s, 0.01);
+  EXPECT_NEAR(released.length_rate_m_s, expected.length_rate_m_s, 0.01);
+  input.estimate.reset();
+  input.withheld = HoldReason::station_silent;
+  EXPECT_EQ(controller.decide(input).reason, HoldReason::station_silent);
+}
+
+// Wind holds the drone at an elevation below the minimum, while the modelled one is above it.
+TEST(HoldController, LimitsElevationByTheMeasuredDirection) {
+  HoldConfig config;
+  config.limits.min_elevation_rad = 0.5;
+  const auto elevation_rate = [&](double measured_rad, double error_up_m) {
+    HoldController controller(config);
+    HoldInput input = input_of({});
+    input.tether->tether = {5, 0.8, 0.3};
+    (void)controller.decide(input);  // initializes the model
+    input.now.ns += 33'000'000;
+    input.estimate->stamp = input.tether->stamp = input.now;
+    input.tether->tether.elevation_rad = measured_rad;
+    input.estimate->displacement_in_reference =
+        forward_camera().conjugate() * Vector3d(0, 0, -error_up_m);
+    const HoldDecision decision = controller.decide(input);
+    EXPECT_EQ(decision.reason == HoldReason::at_limit, measured_rad < 0.5);
+    return decision.command.elevation_rate_rad_s;
+  };
+  EXPECT_LT(elevation_rate(0.8, -0.5), -0.05);
+  EXPECT_EQ(elevation_rate(0.45, -0.5), 0);
+  EXPECT_GT(elevation_rate(0.45, 0.5), 0.05);
+  // (distance to the end) / 2 s
+  EXPECT_NEAR(elevation_rate(0.52, -0.5), -0.01, 1e-12);
 }
 
 // Limit: 10 cm standard deviation over all axes. A covariance that is not finite is rejected.
