@@ -1,7 +1,5 @@
 #include "live/link/port.hpp"
 
-#include <sys/ioctl.h>
-
 #include <array>
 #include <asio/buffer.hpp>
 #include <asio/io_context.hpp>
@@ -17,6 +15,7 @@
 
 #include "geometry/fields.hpp"
 #include "live/clock/local_clock.hpp"
+#include "live/link/serial_device.hpp"
 
 namespace stillkite {
 namespace {
@@ -36,7 +35,6 @@ struct Port::State {
         tick(std::move(on_tick)) {}
 
   void open_udp();
-  bool open_serial();
   void receive_udp();
   void receive_serial();
   void wait_for_tick();
@@ -79,22 +77,6 @@ void Port::State::open_udp() {
                    " cannot be opened: " + error.message() + "; choose another port or host");
 }
 
-bool Port::State::open_serial() {
-  asio::error_code error;
-  serial.open(address.host, error);
-  if (error) return false;
-  const auto set = [&](const auto& option) {
-    if (!error) serial.set_option(option, error);
-  };
-  set(asio::serial_port::baud_rate(address.baud));
-  set(asio::serial_port::character_size(8));
-  set(asio::serial_port::flow_control(asio::serial_port::flow_control::none));
-  if (!error && ioctl(serial.native_handle(), TIOCEXCL) == 0) return true;
-  asio::error_code ignored;
-  serial.close(ignored);
-  return false;
-}
-
 bool Port::State::accepts_sender(Timestamp now) {
   if (!address.host.empty()) return true;
   if (peer && *peer != sender && seconds_between(peer_heard, now) < kSenderTimeout_s) return false;
@@ -131,7 +113,7 @@ void Port::State::wait_for_tick() {
   timer.async_wait([this](const asio::error_code& error) {
     if (error) return;
     const bool is_serial = address.kind == LinkAddress::Kind::serial;
-    if (is_serial && !serial.is_open() && open_serial()) receive_serial();
+    if (is_serial && !serial.is_open() && open_serial_device(serial, address)) receive_serial();
     tick();
     wait_for_tick();
   });
@@ -163,7 +145,7 @@ Port::Port(const LinkAddress& address, const std::string& key, Receive receive, 
     : state_(std::make_unique<State>(address, key, std::move(receive), std::move(tick))) {
   if (address.kind == LinkAddress::Kind::udp) {
     state_->open_udp();
-  } else if (!state_->open_serial()) {
+  } else if (!open_serial_device(state_->serial, address)) {
     throw InputError(
         key + ": " + address.host +
         " cannot be opened; check the device, its baud rate, and the permission to read and "
