@@ -1,7 +1,9 @@
 #include "app/flight_estimator.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include "flow/frame.hpp"
 #include "io/config/config_values.hpp"
@@ -68,6 +70,7 @@ HeightSource height_source_of(HeightMessage message) {
 FlightEstimator::FlightEstimator(FlyConfig config)
     : config_(std::move(config)),
       telemetry_(config_.live.telemetry, static_cast<std::uint8_t>(config_.live.system_id)),
+      gate_(config_.live.tether, config_.hold.max_tether_age_s),
       body_from_autopilot_(config_.imu.rotation_wxyz
                                ? unit_quaternion(*config_.imu.rotation_wxyz, "imu.rotation_wxyz")
                                : Eigen::Quaterniond::Identity()) {
@@ -79,6 +82,29 @@ FlightEstimator::FlightEstimator(FlyConfig config)
 
 void FlightEstimator::receive(const mavlink::Packet& packet, Timestamp arrival) {
   if (const auto sample = telemetry_.read(packet, arrival)) add(*sample);
+  discard_old(arrival);
+}
+
+void FlightEstimator::receive(const StationMessage& message, Timestamp arrival) {
+  gate_.receive(message, arrival);
+  const auto* attitude = std::get_if<DroneAttitude>(&message);
+  const Timestamp stamp{arrival.ns - from_seconds(config_.live.tether.reading_latency_s).ns};
+  const std::vector<Timestamp>& stamps = sensors_.attitude.stamps;
+  if (attitude != nullptr && (stamps.empty() || stamps.back() < stamp)) {
+    append(sensors_.attitude, stamp, attitude->world_from_body);
+  }
+  discard_old(arrival);
+}
+
+std::optional<std::string> FlightEstimator::receive(const OperatorCommand& command) {
+  if (command.action == OperatorAction::hold_here) {
+    if (config_.hold.mode == HoldMode::paper) return "hold.mode paper holds the reference image";
+    hold_here_ = true;
+  }
+  return gate_.apply(command, config_.hold.recommended.max_displacement_m);
+}
+
+void FlightEstimator::discard_old(Timestamp arrival) {
   if (!oldest_kept_) oldest_kept_ = arrival;
   // without video no frame discards readings
   constexpr double kKept_s = 10;
@@ -102,14 +128,18 @@ void FlightEstimator::add(const mavlink::SensorSample& sample) {
   }
 }
 
+bool FlightEstimator::uses_attitude() const {
+  return config_.live.telemetry.attitude || has_tether();
+}
+
 bool FlightEstimator::is_ready(Timestamp stamp) const {
-  if (navigator_) return true;
+  if (pilot_) return true;
   const SensorReadings readings = readings_between(held_until(sensors_, stamp), stamp, stamp);
   const TelemetryConfig& telemetry = config_.live.telemetry;
   const bool needs_height =
       telemetry.height == HeightMessage::global_position ||
       (telemetry.height == HeightMessage::distance_sensor && !config_.initial.height_m);
-  return (!telemetry.attitude || readings.attitude) && (!needs_height || readings.height_m);
+  return (!uses_attitude() || readings.attitude) && (!needs_height || readings.height_m);
 }
 
 bool FlightEstimator::has_telemetry_until(Timestamp stamp) const {
@@ -132,24 +162,53 @@ void FlightEstimator::initialize(const Frame& first) {
       effective_config(config_.navigator, config_.estimator.policy, inputs_->initial.scale);
   NavigatorConfig navigator = config_.navigator;
   navigator.fusion = with_imu_noise(navigator.fusion, sensors_.imu_noise);
-  navigator_.emplace(inputs_->camera, inputs_->body_from_camera, navigator, inputs_->initial,
-                     config_.estimator);
+  pilot_.emplace(inputs_->camera, inputs_->body_from_camera, navigator, config_.estimator,
+                 config_.hold, inputs_->initial);
 }
 
-NavigationEstimate FlightEstimator::step(const Frame& frame) {
-  if (!navigator_) initialize(frame);
+// Attitude at a stamp; after the last reading that one, for as long as the tether's readings.
+std::optional<Eigen::Quaterniond> FlightEstimator::attitude_at(Timestamp stamp) const {
+  const TimeSeries<Eigen::Quaterniond>& log = sensors_.attitude;
+  const auto after = std::ranges::upper_bound(log.stamps, stamp) - log.stamps.begin();
+  if (after == 0) return std::nullopt;
+  const auto i = static_cast<std::size_t>(after) - 1;
+  const double age_s = seconds_between(log.stamps[i], stamp);
+  if (age_s > config_.hold.max_tether_age_s) return std::nullopt;
+  if (i + 1 == log.stamps.size()) return log.values[i];
+  const double interval_s = seconds_between(log.stamps[i], log.stamps[i + 1]);
+  return log.values[i].slerp(age_s / interval_s, log.values[i + 1]);
+}
+
+PilotStep FlightEstimator::step(const Frame& frame, Timestamp decision) {
+  if (!pilot_) initialize(frame);
   sensors_.imu.max_gap_s = max_gap_s(sensors_.imu.stamps);
   sensors_.angular_rate_in_body_rad_s.max_gap_s = sensors_.imu.max_gap_s;
   const Timestamp before = last_frame_.value_or(frame.stamp);
   Frame masked = frame;
   masked.mask = inputs_->mask;
-  NavigationEstimate estimate =
-      navigator_->step(masked, readings_between(sensors_, before, frame.stamp));
+  TetheredReadings readings{
+      .now = {decision.ns + from_seconds(config_.live.tether.command_delay_s).ns},
+      .tether = gate_.tether(),
+      .station_from_body = has_tether() ? attitude_at(frame.stamp) : std::nullopt,
+      .sensors = readings_between(sensors_, before, frame.stamp),
+      .withheld = gate_.withheld(decision),
+      .hold_here = std::exchange(hold_here_, false)};
+  // without its attitude the station's axes are unknown
+  if (!readings.station_from_body && readings.withheld == HoldReason::none) {
+    readings.withheld = HoldReason::station_silent;
+  }
+  PilotStep step = pilot_->step(masked, readings);
+  const MotionEstimate& motion = step.motion;
+  const bool is_metric = motion.displacement_kind == DisplacementKind::metric;
+  gate_.set_estimate(
+      decision, is_measured(step.estimate.verdict),
+      is_metric ? std::optional(motion.displacement_in_reference.norm()) : std::nullopt);
   last_frame_ = frame.stamp;
   // the next interval begins at this stamp and needs the readings around it
   constexpr double kKept_s = 2;
   discard_before({frame.stamp.ns - from_seconds(kKept_s).ns});
-  return gravity_aligned(std::move(estimate));
+  step.estimate = gravity_aligned(std::move(step.estimate));
+  return step;
 }
 
 void FlightEstimator::discard_before(Timestamp oldest) {

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "app/fly_config.hpp"
 #include "io/dataset/flight_inputs.hpp"
 #include "live/mavlink/telemetry.hpp"
-#include "navigation/navigation_estimate.hpp"
-#include "navigation/navigator.hpp"
+#include "live/operator/operator_command.hpp"
+#include "live/tether/command_gate.hpp"
+#include "live/tether/station_lines.hpp"
+#include "navigation/hover_pilot.hpp"
+#include "navigation/pilot_step.hpp"
 
 namespace stillkite {
 
@@ -18,6 +22,11 @@ class FlightEstimator {
 
   /// Adds a packet of the autopilot.
   void receive(const mavlink::Packet& packet, Timestamp arrival);
+  /// Adds a message of the ground station.
+  void receive(const StationMessage& message, Timestamp arrival);
+  /// Applies a command of an operator. Returns why it is refused; hold_here takes effect with the
+  /// next image, see PilotStep::is_setpoint_moved.
+  [[nodiscard]] std::optional<std::string> receive(const OperatorCommand& command);
 
   /// False before the first frame while telemetry that defines the initial state is missing.
   [[nodiscard]] bool is_ready(Timestamp stamp) const;
@@ -26,9 +35,13 @@ class FlightEstimator {
   /// silent or slower than 20 Hz are not expected.
   [[nodiscard]] bool has_telemetry_until(Timestamp stamp) const;
 
-  /// Estimate of a frame, gravity-aligned. The first frame sets the initial state. Throws
-  /// InputError on an invalid calibration or initial state.
-  [[nodiscard]] NavigationEstimate step(const Frame& frame);
+  /// Estimate of a frame, gravity-aligned, and command to the ground station, decided at
+  /// `decision`. The first frame sets the initial state. Throws InputError on an invalid
+  /// calibration or initial state.
+  [[nodiscard]] PilotStep step(const Frame& frame, Timestamp decision);
+
+  [[nodiscard]] bool has_tether() const { return config_.live.tether.port.has_value(); }
+  [[nodiscard]] const CommandGate& gate() const { return gate_; }
 
   /// Valid after the first frame.
   [[nodiscard]] const FlightInputs& inputs() const { return *inputs_; }
@@ -39,15 +52,20 @@ class FlightEstimator {
   void add(const mavlink::SensorSample& sample);
   void initialize(const Frame& first);
   void discard_before(Timestamp oldest);
+  void discard_old(Timestamp arrival);
+  [[nodiscard]] bool uses_attitude() const;
+  [[nodiscard]] std::optional<Eigen::Quaterniond> attitude_at(Timestamp stamp) const;
 
   FlyConfig config_;
   mavlink::Telemetry telemetry_;
+  CommandGate gate_;
   Eigen::Quaterniond body_from_autopilot_;
   SensorLog sensors_;                     // last seconds
   std::optional<Timestamp> oldest_kept_;  // telemetry of a flight without frames
   double height_offset_m_ = 0;
   std::optional<FlightInputs> inputs_;
-  std::optional<Navigator> navigator_;
+  std::optional<HoverPilot> pilot_;
+  bool hold_here_ = false;  // with the next image
   std::optional<Timestamp> last_frame_;
 };
 

@@ -20,6 +20,7 @@
 #include "app/latency_histogram.hpp"
 #include "app/options.hpp"
 #include "app/results_folder.hpp"
+#include "app/tether_control.hpp"
 #include "io/config/config_printing.hpp"
 #include "io/results/estimates_csv.hpp"
 #include "io/results/output_file.hpp"
@@ -84,7 +85,9 @@ StreamConfig expanded(StreamConfig source) {
 class Flight {
  public:
   Flight(const FlyConfig& config, const StreamConfig& source, const fs::path& folder)
-      : estimator_(config), luma_(std::make_shared<LumaExtractor>("source.path", std::nullopt)) {
+      : tether_(make_tether(config.live)),
+        estimator_(config),
+        luma_(std::make_shared<LumaExtractor>("source.path", std::nullopt)) {
     const LiveConfig& live = config.live;
     if (live.json) json_.emplace(*live.json);
     if (live.mavlink) {
@@ -99,6 +102,7 @@ class Flight {
     record_.emplace(folder);
     write_flight_config(config, folder);
     record_->add_estimate(estimates_csv_header());
+    if (tether_) tether_->log_to(folder, *record_);
     capture_.emplace(
         source,
         [luma = luma_](const AVFrame& image, cv::Mat recycled) {
@@ -112,7 +116,7 @@ class Flight {
     constexpr double kWait_s = 0.1;  // Ctrl-C and telemetry without frames
     while (!interrupted() && !capture_->has_ended()) {
       const std::optional<CapturedFrame> captured = capture_->next(kWait_s);
-      receive_telemetry();
+      receive_messages();
       if (captured) {
         wait_for_telemetry(captured->frame.stamp);
         step(*captured);
@@ -141,6 +145,7 @@ class Flight {
       report(fmt::format("live.json: {} lines dropped: the reader of standard output is too slow",
                          json_->dropped()));
     }
+    if (tether_) report(tether_->counts());
     if (!link_) return;
     const mavlink::ParserCounts packets = link_->counts();
     report(
@@ -149,12 +154,18 @@ class Flight {
   }
 
  private:
-  void receive_telemetry() {
+  static std::unique_ptr<TetherControl> make_tether(const LiveConfig& live) {
+    return live.tether.port ? std::make_unique<TetherControl>(live, report) : nullptr;
+  }
+
+  void receive_messages() {
+    if (tether_) messages_ += tether_->receive(estimator_, *record_);
     if (!link_) return;
     for (const ReceivedPacket& received : link_->take()) {
       last_packet_ = received.arrival;
       check_system(received.packet);
-      record_->add_message(received.packet.raw.bytes(), received.arrival);
+      const auto bytes = received.packet.raw.bytes();
+      record_->add_message({.arrival = received.arrival, .bytes = {bytes.begin(), bytes.end()}});
       estimator_.receive(received.packet, received.arrival);
       ++messages_;
     }
@@ -183,25 +194,29 @@ class Flight {
     constexpr int kMaxSteps = 50;
     for (int i = 0; i < kMaxSteps && !estimator_.has_telemetry_until(stamp); ++i) {
       std::this_thread::sleep_for(kStep);
-      receive_telemetry();
+      receive_messages();
     }
   }
 
   void step(const CapturedFrame& captured) {
     const Frame& frame = captured.frame;
     const bool is_ready = estimator_.is_ready(frame.stamp);
+    const Timestamp decision = local_now();
     record_->add_frame({.index = frame.index,
                         .outcome = is_ready ? FrameOutcome::used : FrameOutcome::settling,
                         .stamp = frame.stamp,
                         .stamp_sigma_s = frame.stamp_sigma_s,
-                        .telemetry = messages_});
+                        .telemetry = messages_,
+                        .decision = decision});
     if (!is_ready) {
       if (!std::exchange(has_reported_wait_, true)) {
-        report("waiting for the telemetry of the initial state (live.telemetry)");
+        report("waiting for the telemetry of the initial state (live.telemetry, live.tether)");
       }
       return;
     }
-    const NavigationEstimate estimate = estimator_.step(frame);
+    const PilotStep result = estimator_.step(frame, decision);
+    if (tether_) tether_->send(result, estimator_, *record_);
+    const NavigationEstimate& estimate = result.estimate;
     const FlightInputs& inputs = estimator_.inputs();
     if (autopilot_) {
       autopilot_->send(estimate, inputs.body_from_camera, inputs.camera.focal_x_px);
@@ -228,6 +243,7 @@ class Flight {
     }
   }
 
+  std::unique_ptr<TetherControl> tether_;  // first: forks before any thread starts
   FlightEstimator estimator_;
   std::shared_ptr<LumaExtractor> luma_;
   std::optional<JsonOutput> json_;
@@ -271,7 +287,8 @@ void fly(const FlyArguments& arguments) {
 
 void add_fly(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "fly", "Estimate the motion from a live video, with telemetry and MAVLink output");
+      "fly",
+      "Estimate the motion from a live video; telemetry, MAVLink output, tethered position hold");
   const auto arguments = std::make_shared<FlyArguments>();
   command->add_option("config", arguments->config, "YAML file (default: default values)");
   add_overrides(*command, arguments->overrides);
@@ -282,7 +299,7 @@ void add_fly(CLI::App& app) {
                     "Print the configuration with descriptions and exit");
   command->footer(
       "Keys with default and description: stillkite fly --print > flight.yaml\n"
-      "Records video, telemetry and estimates; stillkite run DIR computes them again.\n"
+      "Records video, telemetry, estimates and commands; stillkite run DIR computes them again.\n"
       "Example: stillkite fly flight.yaml --set source.path=udp://127.0.0.1:5600 --set "
       "live.json=-");
   command->callback([arguments] { fly(*arguments); });

@@ -1,9 +1,12 @@
 #include "app/fly_config.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "io/config/config_binding.hpp"
 #include "io/text_file.hpp"
+#include "live/tether/command_lines.hpp"
 
 namespace stillkite {
 namespace {
@@ -31,6 +34,32 @@ void check_estimator(const FlyConfig& config) {
   }
 }
 
+void check_rate(double rate, double limit, const char* key) {
+  if (rate <= limit) return;
+  throw InputError(
+      fmt::format("hold.limits.{}: {} exceeds the ground station's limit of {}", key, rate, limit));
+}
+
+void check_tether(const FlyConfig& config) {
+  const LiveConfig& live = config.live;
+  const bool reads_standard_input = live.operator_source == "-";
+  if (reads_standard_input && config.source.path == "-") {
+    throw InputError("live.operator: standard input is the video; set unix:PATH");
+  }
+  if (!live.tether.port) {
+    if (!live.operator_source) return;
+    throw InputError("live.operator needs a ground station; set live.tether.port");
+  }
+  if (live.telemetry.attitude) {
+    throw InputError(
+        "live.telemetry.attitude: the ground station's !Attitude is used; set it to false");
+  }
+  const VehicleLimits& limits = config.hold.limits;
+  check_rate(limits.elevation_rate_rad_s, kStationElevationRate_rad_s, "elevation_rate_rad_s");
+  check_rate(limits.azimuth_rate_rad_s, kStationAzimuthRate_rad_s, "azimuth_rate_rad_s");
+  check_rate(limits.yaw_rate_rad_s, kStationYawRate_rad_s, "yaw_rate_rad_s");
+}
+
 void check_origin(const std::array<double, 3>& origin) {
   const auto& [latitude_deg, longitude_deg, altitude_m] = origin;
   constexpr double kMaxAltitude_m = 1e5;
@@ -55,6 +84,7 @@ FlyConfig load_fly_config(const std::optional<std::filesystem::path>& file,
     config.source.path = resolve_path(config.source.path, path->base_folder, path->where());
   }
   check_estimator(config);
+  check_tether(config);
   if (config.live.send.origin) check_origin(*config.live.send.origin);
   return config;
 }
@@ -69,6 +99,7 @@ RunConfig run_config_of(const FlyConfig& config) {
   run.imu.noise = config.imu.noise;
   run.estimator = config.estimator;
   run.navigator = config.navigator;
+  run.hold = config.hold;
   run.shadow.enabled = false;
   return run;
 }

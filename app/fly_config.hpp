@@ -32,6 +32,7 @@ struct FlyConfig {
   FlyImuConfig imu;
   EstimatorConfig estimator;
   NavigatorConfig navigator;
+  HoldConfig hold;
   LiveConfig live;
 
   static void fields(auto& self, auto&& field) {
@@ -45,6 +46,7 @@ struct FlyConfig {
     field("reference", self.navigator.reference, "relative pose to a reference image");
     field("choice", self.navigator.choice, "selection between flow and reference for each frame");
     field("fusion", self.navigator.fusion, "visual-inertial filter of flow and reference");
+    field("hold", self.hold, "hold controller, see live.tether");
     field("live", self.live, "connections");
   }
 };

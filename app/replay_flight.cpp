@@ -14,12 +14,15 @@
 #include "app/results_folder.hpp"
 #include "app/run_record.hpp"
 #include "app/run_results.hpp"
+#include "io/results/command_recorder.hpp"
 #include "io/results/json_text.hpp"
 #include "io/results/output_file.hpp"
 #include "io/results/run_recorder.hpp"
 #include "io/video/luma.hpp"
 #include "live/mavlink/parser.hpp"
+#include "live/operator/operator_command.hpp"
 #include "live/record/flight_replay.hpp"
+#include "live/tether/station_lines.hpp"
 
 namespace stillkite {
 namespace {
@@ -39,8 +42,21 @@ fs::path folder_for(const ReplayArguments& arguments) {
 void receive(FlightEstimator& estimator, mavlink::Parser& parser,
              const std::vector<RecordedMessage>& messages) {
   for (const RecordedMessage& message : messages) {
-    parser.add(message.bytes);
-    while (const auto packet = parser.next()) estimator.receive(*packet, message.arrival);
+    const std::string text(message.bytes.begin(), message.bytes.end());
+    switch (message.source) {
+      case MessageSource::mavlink:
+        parser.add(message.bytes);
+        while (const auto packet = parser.next()) estimator.receive(*packet, message.arrival);
+        break;
+      case MessageSource::station:
+        if (const auto line = parse_station_line(text)) estimator.receive(*line, message.arrival);
+        break;
+      case MessageSource::operator_command:
+        if (const auto command = parse_operator_command(text, message.arrival)) {
+          static_cast<void>(estimator.receive(*command));  // refused as in flight
+        }
+        break;
+    }
   }
 }
 
@@ -63,9 +79,12 @@ void replay_flight(const ReplayArguments& arguments) {
     return luma.extract(image, std::move(recycled));
   });
   const fs::path out = folder_for(arguments);
-  protect_inputs(out, {kEstimatesFile}, {arguments.record / kEstimatesFile});
+  protect_inputs(out, {kEstimatesFile, kCommandsFile},
+                 {arguments.record / kEstimatesFile, arguments.record / kCommandsFile});
   prepare_output_folder(out, 0);
   RunRecorder recorder(out);
+  std::optional<CommandRecorder> commands;
+  if (estimator.has_tether()) commands.emplace(out);
   std::optional<RunRecord> record;
   mavlink::Parser parser;
   std::vector<float> frame_ms;
@@ -77,24 +96,30 @@ void replay_flight(const ReplayArguments& arguments) {
       if (!replayed) break;
       receive(estimator, parser, replayed->telemetry);
       const Clock::time_point frame_start = Clock::now();
-      const NavigationEstimate estimate = estimator.step(replayed->frame);
+      const PilotStep step = estimator.step(replayed->frame, replayed->decision);
+      const NavigationEstimate& estimate = step.estimate;
       frame_ms.push_back(
           std::chrono::duration<float, std::milli>(Clock::now() - frame_start).count());
       if (!record) record.emplace(estimator.inputs());
       record->add(estimate, estimator.inputs());
       recorder.add(estimate);
+      if (commands) commands->add(estimate.stamp, step.decision);
       progress.step();
     }
   }
   if (!record) throw InputError(arguments.record.string() + ": the record has no used frame");
   recorder.finish();
   recorder.commit();
+  if (commands) {
+    commands->finish();
+    commands->commit();
+  }
   const RunFacts facts{.frames_read = static_cast<std::int64_t>(frame_ms.size()),
                        .frame_ms = frame_ms,
                        .wall_s = std::chrono::duration<double>(Clock::now() - start).count(),
                        .interrupted = interrupted(),
                        .problem = std::nullopt,
-                       .commands = std::nullopt};
+                       .commands = commands ? std::optional(commands->counts()) : std::nullopt};
   const nlohmann::json summary =
       write_run_results(out, effective_run_config(estimator), estimator.inputs(), *record, facts);
   if (arguments.json) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/fields.hpp"
+#include "live/tether_config.hpp"
 
 namespace stillkite {
 
@@ -75,6 +76,8 @@ struct LiveConfig {
   int system_id = 1;
   TelemetryConfig telemetry;
   MavlinkOutputConfig send;
+  TetherConfig tether;
+  std::optional<std::string> operator_source;
 
   static void fields(auto& self, auto&& field) {
     field("json", self.json, "estimates as JSON lines: - (standard output) or udp://HOST:PORT");
@@ -83,6 +86,9 @@ struct LiveConfig {
     field("system_id", self.system_id, Range{1, 255}, "MAVLink system id of the vehicle");
     field("telemetry", self.telemetry, "telemetry that the estimator uses");
     field("send", self.send, "messages to the autopilot");
+    field("tether", self.tether, "ground station of a tethered drone");
+    field("operator", self.operator_source,
+          "operator commands as JSON lines: - (standard input) or unix:PATH (datagrams)");
   }
 };
 

@@ -65,14 +65,18 @@ class Row {
     return out;
   }
 
-  FrameOutcome outcome() {
+  template <typename Enum>
+  Enum enumerator() {
     const std::string_view cell = word();
-    for (const auto& [value, name] : EnumNames<FrameOutcome>::value) {
+    for (const auto& [value, name] : EnumNames<Enum>::value) {
       if (name == cell) return value;
     }
     is_valid_ = false;
-    return FrameOutcome::damaged;
+    return {};
   }
+
+  /// False at the end of the row, as in records of earlier versions.
+  [[nodiscard]] bool has_more() const { return rest_.has_value(); }
 
   void reject() { is_valid_ = false; }
 
@@ -132,10 +136,10 @@ std::string packets_header() {
   return "#session,offset [B],size [B],flags,pts,dts,arrival [ns]\n";
 }
 std::string frames_header() {
-  return "#frame,outcome,timestamp [ns],stamp_sigma [s],telemetry\n";
+  return "#frame,outcome,timestamp [ns],stamp_sigma [s],telemetry,decision [ns]\n";
 }
 std::string telemetry_header() {
-  return "#arrival [ns],packet\n";
+  return "#arrival [ns],bytes,source\n";
 }
 
 std::string session_row(const AVCodecParameters& codec, AVRational time_base) {
@@ -152,12 +156,13 @@ std::string packet_row(const RecordedPacket& packet) {
 
 // {} prints a double with the digits that restore it.
 std::string frame_row(const RecordedFrame& frame) {
-  return fmt::format("{},{},{},{},{}\n", frame.index, name_of(frame.outcome), frame.stamp.ns,
-                     frame.stamp_sigma_s, frame.telemetry);
+  return fmt::format("{},{},{},{},{},{}\n", frame.index, name_of(frame.outcome), frame.stamp.ns,
+                     frame.stamp_sigma_s, frame.telemetry, frame.decision.ns);
 }
 
 std::string message_row(const RecordedMessage& message) {
-  return fmt::format("{},{}\n", message.arrival.ns, to_hex(message.bytes));
+  return fmt::format("{},{},{}\n", message.arrival.ns, to_hex(message.bytes),
+                     name_of(message.source));
 }
 
 std::vector<RecordedSession> read_sessions(const fs::path& folder) {
@@ -183,10 +188,11 @@ std::vector<RecordedFrame> read_frames(const fs::path& folder) {
   read_rows(folder / kFramesFile, [&](Row& row) {
     RecordedFrame& frame = out.emplace_back();
     frame.index = row.whole();
-    frame.outcome = row.outcome();
+    frame.outcome = row.enumerator<FrameOutcome>();
     frame.stamp.ns = row.whole();
     frame.stamp_sigma_s = row.number<double>();
     frame.telemetry = row.whole();
+    frame.decision = row.has_more() ? Timestamp{row.whole()} : frame.stamp;
   });
   return out;
 }
@@ -197,6 +203,7 @@ std::vector<RecordedMessage> read_messages(const fs::path& folder) {
     RecordedMessage& message = out.emplace_back();
     message.arrival.ns = row.whole();
     message.bytes = row.bytes();
+    if (row.has_more()) message.source = row.enumerator<MessageSource>();
   });
   return out;
 }

@@ -22,8 +22,9 @@ inline constexpr const char* kSessionsFile = "sessions.csv";    ///< openings of
 inline constexpr const char* kPacketsFile = "packets.csv";      ///< index of the coded video
 inline constexpr const char* kVideoFile = "video.bin";          ///< coded packets, concatenated
 inline constexpr const char* kFramesFile = "frames.csv";        ///< decoded images
-inline constexpr const char* kTelemetryFile = "telemetry.csv";  ///< MAVLink packets
+inline constexpr const char* kTelemetryFile = "telemetry.csv";  ///< messages
 inline constexpr const char* kEstimatesFile = "estimates.csv";
+inline constexpr const char* kCommandsFile = "commands.csv";
 
 /// Use of a decoded image.
 enum class FrameOutcome { used, replaced, settling, damaged, out_of_order, resized };
@@ -36,6 +37,16 @@ struct EnumNames<FrameOutcome> {
        {FrameOutcome::damaged, "damaged"},
        {FrameOutcome::out_of_order, "out_of_order"},
        {FrameOutcome::resized, "resized"}});
+};
+
+/// Origin of a message.
+enum class MessageSource { mavlink, station, operator_command };
+template <>
+struct EnumNames<MessageSource> {
+  static constexpr auto value = std::to_array<std::pair<MessageSource, std::string_view>>(
+      {{MessageSource::mavlink, "mavlink"},
+       {MessageSource::station, "station"},
+       {MessageSource::operator_command, "operator"}});
 };
 
 /// Opening of the video source: decoder parameters of the packets that follow.
@@ -56,12 +67,14 @@ struct RecordedFrame {
   FrameOutcome outcome = FrameOutcome::used;
   Timestamp stamp;
   double stamp_sigma_s = 0;
-  std::int64_t telemetry = 0;  ///< number of telemetry messages before its estimate
+  std::int64_t telemetry = 0;  ///< number of messages before its estimate
+  Timestamp decision;          ///< time at which the estimator took it
 };
 
 struct RecordedMessage {
   Timestamp arrival;
   std::vector<std::uint8_t> bytes;
+  MessageSource source = MessageSource::mavlink;
 };
 
 /// Header lines, newline included.

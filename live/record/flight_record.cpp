@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxQueued_bytes = 64 << 20;
-constexpr std::array kNames{kSessionsFile, kPacketsFile,   kVideoFile,
-                            kFramesFile,   kTelemetryFile, kEstimatesFile};
+constexpr std::array kNames{kSessionsFile,  kPacketsFile,   kVideoFile,   kFramesFile,
+                            kTelemetryFile, kEstimatesFile, kCommandsFile};
 
 int create(const fs::path& file) {
   const int descriptor =
@@ -38,7 +38,8 @@ FlightRecord::FlightRecord(const fs::path& folder) : folder_(folder) {
     throw InputError(fmt::format("{}: cannot be created: {}; choose another folder with --out",
                                  folder.string(), failure.message()));
   }
-  for (std::size_t i = 0; i < kFiles; ++i) descriptors_[i] = create(folder / kNames[i]);
+  descriptors_.fill(-1);
+  for (std::size_t i = 0; i < commands; ++i) descriptors_[i] = create(folder / kNames[i]);
   append(sessions, sessions_header());
   append(packets, packets_header());
   append(frames, frames_header());
@@ -53,7 +54,9 @@ FlightRecord::~FlightRecord() {
     changed_.notify_one();
   }
   thread_.join();
-  for (const int descriptor : descriptors_) close(descriptor);
+  for (const int descriptor : descriptors_) {
+    if (descriptor >= 0) close(descriptor);
+  }
 }
 
 void FlightRecord::begin_session(const AVCodecParameters& codec, AVRational time_base) {
@@ -78,12 +81,17 @@ void FlightRecord::add_frame(const RecordedFrame& frame) {
   append(frames, frame_row(frame));
 }
 
-void FlightRecord::add_message(std::span<const std::uint8_t> packet, Timestamp arrival) {
-  append(telemetry, message_row({.arrival = arrival, .bytes = {packet.begin(), packet.end()}}));
+void FlightRecord::add_message(const RecordedMessage& message) {
+  append(telemetry, message_row(message));
 }
 
 void FlightRecord::add_estimate(const std::string& row) {
   append(estimates, row);
+}
+
+void FlightRecord::add_command(const std::string& row) {
+  if (descriptors_[commands] < 0) descriptors_[commands] = create(folder_ / kNames[commands]);
+  append(commands, row);
 }
 
 std::optional<std::string> FlightRecord::failure() {
@@ -117,7 +125,9 @@ void FlightRecord::write_all() {
     }
     for (const Block& block : blocks) write(block);
     if (Clock::now() - synced < kSyncInterval) continue;
-    for (const int descriptor : descriptors_) fdatasync(descriptor);
+    for (const int descriptor : descriptors_) {
+      if (descriptor >= 0) fdatasync(descriptor);
+    }
     synced = Clock::now();
   }
 }

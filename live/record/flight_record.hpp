@@ -30,15 +30,27 @@ class FlightRecord {
   void begin_session(const AVCodecParameters& codec, AVRational time_base);
   void add_packet(const AVPacket& packet, Timestamp arrival);
   void add_frame(const RecordedFrame& frame);
-  void add_message(std::span<const std::uint8_t> packet, Timestamp arrival);
+  void add_message(const RecordedMessage& message);
   /// Row of estimates.csv, or its header.
   void add_estimate(const std::string& row);
+  /// Row of commands.csv, or its header, which creates the file. Of one thread; throws InputError
+  /// if the file cannot be created.
+  void add_command(const std::string& row);
 
   /// First write error; the record ended there.
   [[nodiscard]] std::optional<std::string> failure();
 
  private:
-  enum File : std::size_t { sessions, packets, video, frames, telemetry, estimates, kFiles };
+  enum File : std::size_t {
+    sessions,
+    packets,
+    video,
+    frames,
+    telemetry,
+    estimates,
+    commands,
+    kFiles
+  };
   struct Block {
     File file{};
     std::string bytes;

@@ -36,6 +36,7 @@ std::optional<ReplayedFrame> FlightReplay::next() {
                                    .grey = std::move(grey),
                                    .stamp_sigma_s = row.stamp_sigma_s,
                                    .recorded_stamp = row.stamp},
+                         .decision = row.decision,
                          .telemetry = messages_until(row.telemetry)};
   }
   return std::nullopt;

@@ -14,10 +14,11 @@
 
 namespace stillkite {
 
-/// Frame that the estimator used in flight, and the telemetry that it had received since the
-/// previous one.
+/// Frame that the estimator used in flight, its time, and the messages that it had received since
+/// the previous one.
 struct ReplayedFrame {
   Frame frame;
+  Timestamp decision;
   std::vector<RecordedMessage> telemetry;
 };
 

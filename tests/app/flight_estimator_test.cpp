@@ -10,6 +10,8 @@
 #include "io/results/estimate_json.hpp"
 #include "live/mavlink/parser.hpp"
 #include "live/mavlink/sensor_messages.hpp"
+#include "live/operator/operator_command.hpp"
+#include "live/tether/station_lines.hpp"
 
 namespace stillkite {
 namespace {
@@ -85,7 +87,7 @@ TEST(FlightEstimator, IsReadyOnceTheInitialStateHasArrived) {
   EXPECT_FALSE(estimator.is_ready(at_ms(400)));
   receive(estimator, nose_up, 100);
   ASSERT_TRUE(estimator.is_ready(at_ms(50)));
-  const NavigationEstimate first = estimator.step(frame_at(50));
+  const NavigationEstimate first = estimator.step(frame_at(50), at_ms(50)).estimate;
   EXPECT_EQ(first.scale, ScaleSource::range);
   EXPECT_NEAR(first.world_from_body.translation.z(), 12 * std::cos(0.1), 1e-4);
   EXPECT_NEAR(to_euler(first.world_from_body.rotation).pitch_rad, -0.1, 1e-6);
@@ -97,7 +99,7 @@ TEST(FlightEstimator, BarometerIsAlignedToTheInitialHeight) {
     receive(estimator, GlobalPositionInt{.relative_alt = 3000}, t_ms);
     receive(estimator, GlobalPositionInt{.relative_alt = 3000}, t_ms + 1);
     if (t_ms < kPeriod_ms) continue;
-    const NavigationEstimate estimate = estimator.step(frame_at(t_ms));
+    const NavigationEstimate estimate = estimator.step(frame_at(t_ms), at_ms(t_ms)).estimate;
     EXPECT_NEAR(estimate.world_from_body.translation.z(), 20, 0.1);
   }
 }
@@ -123,17 +125,82 @@ TEST(FlightEstimator, SameInputsGiveTheSameEstimates) {
     for (FlightEstimator* estimator : {&first, &second}) {
       receive(*estimator, range_of(20), t_ms);
     }
-    NavigationEstimate a = first.step(frame_at(t_ms)), b = second.step(frame_at(t_ms));
+    NavigationEstimate a = first.step(frame_at(t_ms), at_ms(t_ms)).estimate;
+    NavigationEstimate b = second.step(frame_at(t_ms), at_ms(t_ms)).estimate;
     a.stage_ms = b.stage_ms = {};
     EXPECT_EQ(estimate_json(a), estimate_json(b));
   }
+}
+
+FlyConfig tethered_config() {
+  FlyConfig config = config_with({}, 20);
+  config.live.mavlink.reset();
+  config.live.tether.port = "serial:/dev/none:115200";
+  return config;
+}
+
+// Level attitude, tether of 2 m and 1 rad, ground station in flight.
+void receive_station(FlightEstimator& estimator, std::int64_t t_ms, int mode = 1) {
+  const StationMessage messages[] = {
+      StationStatus{.mode = mode, .relative_length_counts = 2 / 0.00285}, DroneAttitude{},
+      DronePosition{.elevation_from_zenith_rad = 0.57}, DroneStatus{.mode = 2}};
+  for (const StationMessage& message : messages) estimator.receive(message, at_ms(t_ms));
+}
+
+OperatorCommand command_at(OperatorAction action, std::int64_t t_ms) {
+  return {.action = action, .note = {}, .arrival = at_ms(t_ms)};
+}
+
+TEST(FlightEstimator, CommandsOnlyWhileAnOperatorHasEngaged) {
+  FlightEstimator estimator(tethered_config());
+  EXPECT_FALSE(estimator.is_ready(at_ms(0)));
+  const auto decision_at = [&](std::int64_t t_ms, int mode = 1) {
+    receive_station(estimator, t_ms, mode);
+    return estimator.step(frame_at(t_ms), at_ms(t_ms)).decision;
+  };
+  receive_station(estimator, 0);
+  EXPECT_TRUE(estimator.is_ready(at_ms(0)));
+  for (int t_ms = 0; t_ms < 400; t_ms += kPeriod_ms) {
+    const HoldDecision held = decision_at(t_ms);
+    EXPECT_EQ(held.action, HoldAction::hold);
+    EXPECT_EQ(held.reason, HoldReason::not_engaged);
+  }
+  // 10 px at 20 m and f = 240 px: 0.8 m from the reference, too far to engage
+  EXPECT_TRUE(estimator.receive(command_at(OperatorAction::engage, 400)));
+  EXPECT_FALSE(estimator.receive(command_at(OperatorAction::hold_here, 400)));
+  receive_station(estimator, 400);
+  EXPECT_TRUE(estimator.step(frame_at(400), at_ms(400)).is_setpoint_moved);
+  EXPECT_FALSE(estimator.receive(command_at(OperatorAction::engage, 410)));
+  HoldDecision last;
+  for (int t_ms = 440; t_ms < 800; t_ms += kPeriod_ms) last = decision_at(t_ms);
+  EXPECT_EQ(last.action, HoldAction::command);
+  EXPECT_EQ(last.reason, HoldReason::none);
+  // 9 px since the pose to hold are 0.75 m; the controller uses up to 0.5 m
+  EXPECT_NEAR(last.position_error_in_station_m.norm(), 0.5, 1e-9);
+  EXPECT_EQ(decision_at(800, 2).reason, HoldReason::station_mode);
+  EXPECT_EQ(decision_at(840).reason, HoldReason::not_engaged);
+}
+
+TEST(FlightEstimator, HoldsWhileTheStationIsSilent) {
+  FlightEstimator estimator(tethered_config());
+  receive_station(estimator, 0);
+  static_cast<void>(estimator.step(frame_at(0), at_ms(0)));
+  EXPECT_FALSE(estimator.receive(command_at(OperatorAction::engage, 10)));
+  EXPECT_NE(estimator.step(frame_at(40), at_ms(40)).decision.reason, HoldReason::station_silent);
+  for (int t_ms = 80; t_ms < 1000; t_ms += kPeriod_ms) {
+    const HoldReason reason = estimator.step(frame_at(t_ms), at_ms(t_ms)).decision.reason;
+    EXPECT_EQ(reason == HoldReason::station_silent, t_ms > 200) << t_ms;
+  }
+  receive_station(estimator, 1000);
+  EXPECT_NE(estimator.step(frame_at(1000), at_ms(1000)).decision.reason,
+            HoldReason::station_silent);
 }
 
 TEST(FlightEstimator, CalibrationOfAnotherSizeIsAnInputError) {
   FlyConfig config = config_with({}, 20);
   config.calibration.camera->width_px = 640;
   FlightEstimator estimator(config);
-  EXPECT_THROW(static_cast<void>(estimator.step(frame_at(0))), InputError);
+  EXPECT_THROW(static_cast<void>(estimator.step(frame_at(0), at_ms(0))), InputError);
 }
 
 }  // namespace

@@ -44,11 +44,13 @@ TEST_F(FlightFiles, RowsAreRestoredBitForBit) {
     ASSERT_EQ(av_new_packet(packet.get(), 3), 0);
     packet->pts = 1234;
     record.add_packet(*packet, {77});
-    record.add_frame({.index = 5, .stamp = {-8}, .stamp_sigma_s = sigma_s, .telemetry = 2});
+    record.add_frame(
+        {.index = 5, .stamp = {-8}, .stamp_sigma_s = sigma_s, .telemetry = 2, .decision = {99}});
     record.add_frame({.index = 6,
                       .outcome = FrameOutcome::settling,
                       .stamp_sigma_s = std::numeric_limits<double>::infinity()});
-    record.add_message(std::to_array<std::uint8_t>({0xfd, 0x00, 0x9a}), {99});
+    record.add_message({.arrival = {99}, .bytes = {0xfd, 0x00, 0x9a}});
+    record.add_message({.arrival = {100}, .bytes = {'!', 'P'}, .source = MessageSource::station});
   }
   const std::vector<RecordedSession> sessions = read_sessions(folder);
   ASSERT_EQ(sessions.size(), 1U);
@@ -62,9 +64,12 @@ TEST_F(FlightFiles, RowsAreRestoredBitForBit) {
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].stamp_sigma_s, sigma_s);
   EXPECT_EQ(frames[0].stamp.ns, -8);
+  EXPECT_EQ(frames[0].decision.ns, 99);
   EXPECT_EQ(frames[1].outcome, FrameOutcome::settling);
   const std::vector<RecordedMessage> messages = read_messages(folder);
-  ASSERT_EQ(messages.size(), 1U);
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_EQ(messages[0].source, MessageSource::mavlink);
+  EXPECT_EQ(messages[1].source, MessageSource::station);
   EXPECT_EQ(messages[0].bytes, (std::vector<std::uint8_t>{0xfd, 0x00, 0x9a}));
   EXPECT_EQ(messages[0].arrival.ns, 99);
 }
@@ -73,6 +78,26 @@ TEST_F(FlightFiles, RowWithoutLineBreakIsIgnored) {
   { const FlightRecord record(folder); }
   append(kFramesFile, "0,used,1,0.5,0\n1,used,2,0.");
   EXPECT_EQ(read_frames(folder).size(), 1U);
+}
+
+TEST_F(FlightFiles, RowsOfEarlierVersionsAreRead) {
+  { const FlightRecord record(folder); }
+  append(kFramesFile, "0,used,12,0.5,3\n");
+  append(kTelemetryFile, "7,fd00\n");
+  EXPECT_EQ(read_frames(folder).at(0).decision.ns, 12);
+  EXPECT_EQ(read_messages(folder).at(0).source, MessageSource::mavlink);
+}
+
+TEST_F(FlightFiles, CommandsFollowThoseOfTheSupervisingProcess) {
+  {
+    FlightRecord record(folder);
+    EXPECT_FALSE(fs::exists(folder / kCommandsFile));
+    record.add_command("#header\n");
+    append(kCommandsFile, "1,hold\n");
+    record.add_command("2,command\n");
+  }
+  EXPECT_EQ(fs::file_size(folder / kCommandsFile),
+            std::string("#header\n1,hold\n2,command\n").size());
 }
 
 TEST_F(FlightFiles, DamagedRowIsAnInputError) {
