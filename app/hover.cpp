@@ -12,6 +12,7 @@
 
 #include "app/commands.hpp"
 #include "app/hover_comparison.hpp"
+#include "app/hover_device.hpp"
 #include "app/hover_estimates.hpp"
 #include "app/hover_report_trials.hpp"
 #include "app/hover_results.hpp"
@@ -36,6 +37,7 @@ struct HoverArguments {
   std::vector<std::string> estimators;
   std::vector<std::string> overrides;
   fs::path out;
+  fs::path serve;
   int jobs = 0;
   bool json = false;
 };
@@ -170,10 +172,39 @@ void hover_with_each(const HoverArguments& arguments) {
   }
 }
 
+// One trial in real time, flown by another program.
+void serve(const HoverArguments& arguments) {
+  const HoverConfig config = load_hover_config(arguments.config, arguments.overrides);
+  const std::vector<Trial> trials = trials_of(config);
+  const auto trial = std::ranges::find_if(trials, [&](const Trial& candidate) {
+    return candidate.stabilized && candidate.axis == config.serve.axis;
+  });
+  if (trial == trials.end()) throw InputError("hover: --serve needs a trial; set trials.on to 1");
+  prepare(arguments.serve, *arguments.config, config, 1);
+  const TrialRecord record = serve_trial(config, make_world(config), *trial, arguments.serve);
+  if (record.samples.empty() && interrupted()) throw Interrupted{};
+  if (record.samples.empty()) throw std::runtime_error("hover: no command was received");
+  const nlohmann::json summary = hover_summary(
+      {&record, 1}, std::string(name_of(config.estimator.policy)), record.samples.back().t_s);
+  write_files(arguments.serve, {{"samples.csv", samples_csv({&record, 1})},
+                                {"hover.yaml", print_config(config)},
+                                {"summary.json", json_text(summary) + '\n'}});
+  if (arguments.json) {
+    fmt::print("{}\n", json_text(summary));
+  } else {
+    const nlohmann::json& result = summary["trials"][0];
+    fmt::print("axis {}: mean |d| {:.2f} cm, maximum {:.2f} cm in {:.1f} s\n",
+               result["axis"].get<std::string>(), 100 * result["mean_m"].get<double>(),
+               100 * result["max_m"].get<double>(), record.samples.back().t_s);
+  }
+}
+
 void hover(const HoverArguments& arguments) {
   // one thread per trial scales better than OpenCV's threads within a trial
   cv::setNumThreads(1);
-  if (arguments.estimators.empty()) {
+  if (!arguments.serve.empty()) {
+    serve(arguments);
+  } else if (arguments.estimators.empty()) {
     hover_with_one(arguments);
   } else {
     hover_with_each(arguments);
@@ -200,6 +231,11 @@ void add_hover(CLI::App& app) {
   command
       ->add_option("--jobs", arguments->jobs, "Number of parallel trials (default: one per core)")
       ->check(CLI::Range(1, 1024));
+  command
+      ->add_option("--serve", arguments->serve,
+                   "Simulate one trial in real time as a device for stillkite fly, which finds its "
+                   "configuration in DIR/flight.yaml (keys serve.*)")
+      ->type_name("DIR");
   command->add_flag("--json", arguments->json,
                     "Print only summary.json on stdout, with --estimators comparison.json");
   const auto print = std::make_shared<bool>(false);

@@ -11,8 +11,8 @@
 namespace stillkite {
 namespace {
 
-constexpr std::array<std::string_view, 6> kSharedHoverSections{"seed", "scene",      "trials",
-                                                               "link", "plant_file", "plant"};
+constexpr std::array<std::string_view, 7> kSharedHoverSections{
+    "seed", "scene", "trials", "link", "plant_file", "plant", "serve"};
 
 /// JPEG compression of the video link.
 cv::Mat through_jpeg(const cv::Mat& grey, int quality) {

@@ -54,6 +54,27 @@ struct LinkConfig {
   }
 };
 
+/// Wires of a simulated drone that is served as a device.
+struct ServeConfig {
+  PaperAxis axis = PaperAxis::x;
+  int video_port = 5600;
+  int mavlink_port = 14550;
+  double clock_offset_s = 1000;
+  double clock_skew_ppm = 50;
+  double jitter_s = 0;
+
+  static void fields(auto& self, auto&& field) {
+    field("axis", self.axis, "axis along which the station moves");
+    field("video_port", self.video_port, Range{1, 65535}, "UDP port of the video on this machine");
+    field("mavlink_port", self.mavlink_port, Range{1, 65535}, "UDP port of the IMU");
+    field("clock_offset_s", self.clock_offset_s, Range{0, 1e6},
+          "offset of the drone's clock from the simulation's");
+    field("clock_skew_ppm", self.clock_skew_ppm, Range{-1000, 1000}, "skew of the drone's clock");
+    field("jitter_s", self.jitter_s, Range{0, 1},
+          "delay of each image beyond plant.camera_latency_s: uniform from 0 to this");
+  }
+};
+
 /// Configuration of closed-loop trials.
 struct HoverConfig {
   int seed = 1;
@@ -66,6 +87,7 @@ struct HoverConfig {
   EstimatorConfig estimator{.policy = Policy::reference};
   NavigatorConfig navigator{};
   HoldConfig hold{};
+  ServeConfig serve{};
 
   static void fields(auto& self, auto&& field) {
     field("seed", self.seed, kAnySeed, "seed of all random numbers; streams differ between trials");
@@ -81,6 +103,7 @@ struct HoverConfig {
     field("choice", self.navigator.choice, "per-frame selection between both estimators");
     field("fusion", self.navigator.fusion, "filter that fuses both estimators");
     field("hold", self.hold, "position-hold controller");
+    field("serve", self.serve, "drone as a device, option --serve");
   }
 };
 

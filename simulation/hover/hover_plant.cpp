@@ -41,26 +41,34 @@ Timestamp HoverPlant::now() const {
   return stamp_of_hover_step(step_);
 }
 
-StationState HoverPlant::station(double t_s) const {
-  const StationState on_land = path_.at(t_s);
-  return sea_ ? station_on_boat(on_land, *sea_, waves_, t_s) : on_land;
+void HoverPlant::begin() {
+  begin_step_ = step_;
+}
+
+double HoverPlant::trial_s() const {
+  return begin_step_ ? to_seconds(stamp_of_hover_step(step_ - *begin_step_)) : 0;
+}
+
+StationState HoverPlant::station(double trial_s) const {
+  const StationState on_land = path_.at(trial_s);
+  return sea_ ? station_on_boat(on_land, *sea_, waves_, trial_s) : on_land;
 }
 
 RigidTransform HoverPlant::world_from_station() const {
-  return station(to_seconds(now())).world_from_station;
+  return station(trial_s()).world_from_station;
 }
 
 FaultEffect HoverPlant::fault() const {
-  return fault_ ? effect_of(*fault_, to_seconds(now())) : FaultEffect{};
+  return fault_ ? effect_of(*fault_, trial_s()) : FaultEffect{};
 }
 
 // The end of a step equals the start of the next bit for bit, so that each event occurs once.
 void HoverPlant::step(const TetherCommand& command) {
   constexpr double kStep_s = 1.0 / kHoverStepsPerSecond;
-  const double from_s = to_seconds(now());
+  const double from_s = trial_s();
   const double loose_tether_m = fault().loose_tether_m;
   ++step_;
-  const double to_s = to_seconds(now());
+  const double to_s = trial_s();
   wind_.step(kStep_s);
   drone_.step(command,
               {.wind_in_world_m_s = wind_.in_world_m_s(),

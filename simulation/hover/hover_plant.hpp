@@ -29,8 +29,15 @@ class HoverPlant {
  public:
   HoverPlant(const HoverConfig& config, const Trial& trial);
 
+  /// Station, kicks and faults begin now instead of at time 0, and the trial ends that much later.
+  /// Until the first call after `wait` the station is at rest.
+  void begin();
+  void wait() { begin_step_ = std::nullopt; }
+
   [[nodiscard]] Timestamp now() const;
-  [[nodiscard]] bool is_over() const { return step_ > last_step_; }
+  /// Time since the beginning of the trial; 0 before it.
+  [[nodiscard]] double trial_s() const;
+  [[nodiscard]] bool is_over() const { return begin_step_ && step_ - *begin_step_ > last_step_; }
   [[nodiscard]] const DroneTruth& truth() const { return drone_.truth(); }
   [[nodiscard]] RigidTransform world_from_station() const;
   [[nodiscard]] const std::vector<YawKick>& kicks() const { return kicks_; }
@@ -41,7 +48,7 @@ class HoverPlant {
   void step(const TetherCommand& command);
 
  private:
-  [[nodiscard]] StationState station(double t_s) const;
+  [[nodiscard]] StationState station(double trial_s) const;
 
   StationPath path_;
   std::optional<SeaConfig> sea_;
@@ -51,6 +58,7 @@ class HoverPlant {
   TetheredDrone drone_;
   std::vector<YawKick> kicks_;
   std::int64_t step_ = 0;
+  std::optional<std::int64_t> begin_step_ = 0;  // nullopt: waits
   std::int64_t last_step_ = 0;
 };
 
