@@ -50,6 +50,7 @@ ExitCode parse_and_run(int argc, char** argv, const std::string& version) {
   add_batch(app);
   add_import(app);
   add_check(app);
+  add_calibrate(app);
   add_config(app);
 
   const std::string first = argc > 1 ? argv[1] : "";

@@ -19,6 +19,7 @@ void add_hover(CLI::App& app);
 void add_batch(CLI::App& app);
 void add_import(CLI::App& app);
 void add_check(CLI::App& app);
+void add_calibrate(CLI::App& app);
 void add_config(CLI::App& app);
 
 /// Thrown by `check` after its output: exit status 2 if something is wrong, 1 if doubtful.

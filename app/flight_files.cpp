@@ -1,10 +1,10 @@
 #include "app/flight_files.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <iterator>
 
+#include "io/dataset/calibration_file.hpp"
 #include "io/dataset/trajectory_file.hpp"
 #include "io/results/output_file.hpp"
 
@@ -15,27 +15,13 @@ std::string print_vector(const Eigen::Vector3d& v) {
   return fmt::format("{:.9f},{:.9f},{:.9f}", v.x(), v.y(), v.z());
 }
 
-// Camera's sensor.yaml of EuRoC; T_BS is body_from_camera.
 std::string camera_yaml(const FlightRecord& flight, double frames_per_s) {
-  const Camera& camera = flight.camera;
-  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = Eigen::Matrix4d::Identity();
-  T.topLeftCorner<3, 3>() = flight.body_from_camera.rotation.toRotationMatrix();
-  T.topRightCorner<3, 1>() = flight.body_from_camera.translation;
-  const std::size_t used = camera.distortion == DistortionModel::radial_tangential ? 8 : 4;
-  return fmt::format(
-      "sensor_type: camera\n"
-      "comment: simulated\n"
-      "T_BS:\n  cols: 4\n  rows: 4\n  data: [{}]\n"
-      "rate_hz: {}\n"
-      "resolution: [{}, {}]\n"
-      "camera_model: pinhole\n"
-      "intrinsics: [{}, {}, {}, {}]  # fu, fv, cu, cv\n"
-      "distortion_model: {}\n"
-      "distortion_coefficients: [{}]\n",
-      fmt::join(T.data(), T.data() + T.size(), ", "), frames_per_s, camera.width_px,
-      camera.height_px, camera.focal_x_px, camera.focal_y_px, camera.centre_x_px,
-      camera.centre_y_px, name_of(camera.distortion),
-      fmt::join(camera.coefficients.begin(), camera.coefficients.begin() + used, ", "));
+  const bool is_rational = flight.camera.distortion == DistortionModel::radial_tangential;
+  return calibration_yaml({.camera = flight.camera,
+                           .coefficients = is_rational ? 8 : 4,
+                           .comment = "simulated",
+                           .body_from_camera = flight.body_from_camera,
+                           .rate_hz = frames_per_s});
 }
 
 // Pose and velocity in the world, without EuRoC's IMU bias columns.

@@ -21,6 +21,10 @@ extern const std::string_view kComparisonMain;
 extern const std::string_view kComparisonStyle;
 extern const std::string_view kComparisonScript;
 
+extern const std::string_view kCalibrationMain;
+extern const std::string_view kCalibrationStyle;
+extern const std::string_view kCalibrationScript;
+
 extern const std::string_view kStudyMain;
 extern const std::string_view kStudyStyle;
 extern const std::string_view kStudyScript;

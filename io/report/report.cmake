@@ -22,7 +22,7 @@ add_custom_command(
   VERBATIM)
 set_source_files_properties(${report_assets} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_sources(stillkite_io PRIVATE
-  ${report_assets} report/base64.cpp report/comparison_report.cpp report/decimation.cpp
+  ${report_assets} report/base64.cpp report/calibration_report.cpp report/comparison_report.cpp report/decimation.cpp
   report/hover_distribution.cpp report/hover_report.cpp report/report.cpp report/report_page.cpp
   report/report_series.cpp report/study_report.cpp)
 target_link_libraries(stillkite_io PUBLIC nlohmann_json::nlohmann_json)

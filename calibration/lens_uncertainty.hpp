@@ -1,0 +1,12 @@
+#pragma once
+
+#include "calibration/lens_fit.hpp"
+
+namespace stillkite {
+
+/// Standard deviation of the image displacement by the errors of the lens parameters: RMS of its
+/// length over the image, less the displacement that a rotation of the camera explains. Fits
+/// `navigator.lens_sigma_px`.
+[[nodiscard]] double lens_sigma_px(const LensFit& fit);
+
+}  // namespace stillkite
