@@ -7,6 +7,7 @@
 #include "app/board_calibration.hpp"
 #include "app/calibrate_config.hpp"
 #include "app/commands.hpp"
+#include "app/imu_calibration.hpp"
 #include "app/interrupt.hpp"
 #include "app/options.hpp"
 #include "app/results_folder.hpp"
@@ -42,24 +43,33 @@ void calibrate(const CalibrateArguments& arguments) {
   if (config.run.source.path.empty()) {
     throw InputError("source.path is not set; expected a video or a folder of images");
   }
-  if (!config.calibration_board) {
+  const bool has_board = config.calibration_board.has_value();
+  if (!has_board && !config.run.imu.path && !config.run.gyro.path) {
     throw InputError(
-        "calibration_board is not set; expected {type: charuco, columns: ..., rows: ..., square_m: "
-        "...}, see stillkite calibrate --print");
+        "calibration_board is not set; for the lens set calibration_board: {type: charuco, "
+        "columns: "
+        "..., rows: ..., square_m: ...}, for the rotation and clock of an IMU set imu.path; see "
+        "stillkite calibrate --print");
   }
   const fs::path config_file = arguments.config.value_or("calibrate.yaml");
   const fs::path out = results_folder(arguments.out, config_file);
-  protect_inputs(out, {"sensor.yaml", "calibration.json", "report.html"},
+  protect_inputs(out, {"sensor.yaml", "imu.yaml", "calibration.json", "report.html"},
                  inputs_of_run(config_file, config.run));
   nlohmann::json result;
   try {
-    result = calibrate_by_board(config, flight_name(config_file), out);
+    result = has_board ? calibrate_by_board(config, flight_name(config_file), out)
+                       : calibrate_imu(config.run, out);
   } catch (const Interrupted&) {
     fmt::print(stderr, "stillkite: interrupted; no results in {}\n", out.string());
     throw;
   }
   if (arguments.json) {
     fmt::print("{}\n", json_text(result));
+  } else if (!has_board) {
+    print_imu_calibration(result);
+    fmt::print(stderr,
+               "stillkite: results in {}; add the keys of {} to the flight's configuration\n",
+               out.string(), (out / "imu.yaml").string());
   } else {
     print_board_calibration(result);
     fmt::print(stderr,
@@ -72,21 +82,28 @@ void calibrate(const CalibrateArguments& arguments) {
 }  // namespace
 
 void add_calibrate(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("calibrate", "Calibrate the camera by the images of a board");
+  CLI::App* command = app.add_subcommand(
+      "calibrate",
+      "Calibrate the lens by images of a board, or camera to IMU by the rotations of a flight");
   const auto arguments = std::make_shared<CalibrateArguments>();
   command->add_option("config", arguments->config,
-                      "YAML file with source and calibration_board, see --print");
+                      "YAML file: source with calibration_board, or a flight with calibration and "
+                      "imu.path; see --print");
   add_overrides(*command, arguments->overrides);
   add_results_folder(*command, arguments->out);
   command->add_flag("--json", arguments->json, "Print only calibration.json on stdout");
   command->add_flag("--print", arguments->print,
                     "Print the configuration with descriptions and exit");
   command->footer(
-      "Writes sensor.yaml (calibration.path of a run), calibration.json and report.html.\n"
+      "With a board: writes sensor.yaml (calibration.path of a run), calibration.json, "
+      "report.html.\n"
       "Record the board over the whole image, tilted by 20 to 45 degrees to each side, sharp.\n"
       "Example: stillkite calibrate --set source.path=board.mp4 --set "
-      "'calibration_board={type: charuco, columns: 10, rows: 7, square_m: 0.03}' --out lens");
+      "'calibration_board={type: charuco, columns: 10, rows: 7, square_m: 0.03}' --out lens\n"
+      "Without: writes imu.yaml (rotation_wxyz and time_offset_s of imu) and calibration.json, "
+      "from "
+      "ten\nseconds of rotation about all axes. Example: stillkite calibrate flight.yaml --out "
+      "imu");
   command->callback([arguments] { calibrate(*arguments); });
 }
 
