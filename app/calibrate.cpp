@@ -74,8 +74,8 @@ void calibrate(const CalibrateArguments& arguments) {
     print_board_calibration(result);
     fmt::print(stderr,
                "stillkite: results in {}; in the flight's configuration: calibration: "
-               "{{path: {}}}, navigator: {{lens_sigma_px: {:.3f}}}\n",
-               out.string(), (out / "sensor.yaml").string(), result["lens_sigma_px"].get<double>());
+               "{{path: {}}}\n",
+               out.string(), (out / "sensor.yaml").string());
   }
 }
 

@@ -83,7 +83,7 @@ function drawHeadline() {
   byId('headline').append(
     tile('focal length', parameter('focal_x_px').value, 'px', `± ${shown(percent, 2)} %`, 5),
     tile('horizontal field of view', summary.horizontal_fov_deg, 'deg', summary.model),
-    tile('lens over the image', summary.lens_sigma_px, 'px, 1 sigma', 'navigator.lens_sigma_px', 2),
+    tile('lens over the image', summary.lens_sigma_px, 'px, 1 sigma', 'of the parameters', 2),
     tile('corners', summary.corner_sigma_px, 'px, 1 sigma', `${views.selected} views of ${views.different}, found in ${views.found} images`, 2));
   byId('notes').hidden = !summary.unseen_corners.length;
   for (const corner of summary.unseen_corners) {
