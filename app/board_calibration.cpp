@@ -168,8 +168,8 @@ CalibrationReportCorners report_corners(const LensCalibration& calibration,
     const BoardView& view = views[calibration.selected[i]];
     for (std::size_t j = 0; j < view.pixels.size(); ++j) {
       if (!calibration.fit.inliers[i][j]) continue;
-      corners.pixels.push_back(view.pixels[j].cast<float>());
-      corners.residuals_px.push_back(calibration.fit.residuals[i][j].cast<float>());
+      corners.pixels.emplace_back(view.pixels[j].cast<float>());
+      corners.residuals_px.emplace_back(calibration.fit.residuals[i][j].cast<float>());
     }
   }
   return corners;
@@ -178,9 +178,8 @@ CalibrationReportCorners report_corners(const LensCalibration& calibration,
 std::string sensor_yaml(const LensCalibration& calibration, const BoardRecording& recording,
                         const BoardConfig& board) {
   const LensFit& fit = calibration.fit;
-  std::vector<double> sigmas;
-  for (int i = 0; i < fit.model.parameters(); ++i)
-    sigmas.push_back(std::sqrt(fit.covariance(i, i)));
+  const Eigen::VectorXd variances = fit.covariance.diagonal().head(fit.model.parameters());
+  const Eigen::VectorXd sigmas = variances.cwiseSqrt();
   const auto first_coefficient = sigmas.begin() + 4;
   return calibration_yaml(
       {.camera = fit.camera,
@@ -194,7 +193,8 @@ std::string sensor_yaml(const LensCalibration& calibration, const BoardRecording
            fit.model.coefficients == 0
                ? ""
                : fmt::format("sigma {:.2g}", fmt::join(first_coefficient, sigmas.end(), ", ")),
-       .notes = fmt::format("# navigator.lens_sigma_px: {:.3f}\n", calibration.lens_sigma_px)});
+       .notes = fmt::format("# image displacement by the sigmas: {:.3f} px\n",
+                            calibration.lens_sigma_px)});
 }
 
 }  // namespace

@@ -69,8 +69,8 @@ void print_run_results(const json& summary, const RunTally& tally,
              figure(timing["frames_per_s"], "frames/s"),
              figure(timing["frame_ms"]["median"], "ms"));
   if (const json& commands = summary["commands"]; !commands.is_null()) {
-    fmt::print("commands     {} issued, {} held (not executed by run)\n",
-               commands["issued"].dump(), commands["held"].dump());
+    fmt::print("commands     {} issued, {} held (not executed by run)\n", commands["issued"].dump(),
+               commands["held"].dump());
   }
   if (tally.last) print_final_position(*tally.last);
   if (const json& errors = summary["evaluation"]; !errors.is_null()) {

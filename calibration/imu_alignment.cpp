@@ -71,7 +71,7 @@ std::optional<RotationFit> fit_rotation(std::span<const ObservedPair> observed,
     energy += c.squaredNorm() + g.squaredNorm();
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d s = svd.singularValues();
+  const Eigen::Vector3d& s = svd.singularValues();
   const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1;
   RotationFit fit;
   fit.imu_from_camera =
@@ -150,7 +150,7 @@ struct PairEquation {
   Eigen::Matrix3d W;              // information of the residual
   Eigen::Vector3d W_e;            // times the residual: rotation error in the second camera's axes
   Eigen::Matrix<double, 3, 8> J;  // of the prediction
-  double squared_error;           // e' W e
+  double squared_error = 0;       // e' W e
 };
 
 // With the image information H and the gyroscope's noise Q: W = (H^-1 + Q)^-1 = (I + H Q)^-1 H.

@@ -23,8 +23,8 @@ struct NamedCalibration {
 [[nodiscard]] NamedCalibration configured_calibration(const RunConfig& config,
                                                       const std::optional<EurocDataset>& dataset);
 
-/// The same, checked against the images. Throws InputError if its size differs from the images', and if its lens model is not one-to-one where `mask` (may
-/// be null) does not hide the scene.
+/// The same, checked against the images. Throws InputError if its size differs from the images',
+/// and if its lens model is not one-to-one where `mask` (may be null) does not hide the scene.
 [[nodiscard]] Calibration find_calibration(const RunConfig& config,
                                            const std::optional<EurocDataset>& dataset,
                                            const cv::Size& size, const ImageMask* mask);
