@@ -62,8 +62,11 @@ void print(const SetupReport& report) {
     if (!finding.remedy.empty())
       fmt::print("{:<11}  {:<{}}  -> {}\n", "", "", width, finding.remedy);
   }
-  fmt::print("{}: {} images, {:.1f} s examined\n", name_of(worst_verdict(report.findings)),
-             report.frames, report.duration_s);
+  const auto unanswered =
+      std::ranges::count(report.findings, SetupVerdict::cannot_tell, &SetupFinding::verdict);
+  fmt::print("{}: {} images, {:.1f} s examined; {} of {} questions cannot be answered\n",
+             name_of(worst_verdict(report.findings)), report.frames, report.duration_s, unanswered,
+             report.findings.size());
 }
 
 void check(const CheckArguments& arguments) {

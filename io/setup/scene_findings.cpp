@@ -34,11 +34,12 @@ SetupFinding ground_finding(const VerdictCounts& flow) {
   const double ratio = flow.measured_ratio();
   out.measured = SetupMeasurement{ratio, {}, kFlat, "ratio"};
   out.verdict = SetupVerdict::ok;
-  out.text = fmt::format("{}: one plane explains {:.0f} % of {} images (bounds {:g} and {:g} %)",
+  out.text = fmt::format("{}: one plane explains {:.0f} % of {} images (bounds {:g} and {:g} %){}",
                          ratio >= kFlat      ? "flat"
                          : ratio >= kNotFlat ? "flat in part"
                                              : "not flat",
-                         100 * ratio, flow.frames, 100 * kNotFlat, 100 * kFlat);
+                         100 * ratio, flow.frames, 100 * kNotFlat, 100 * kFlat,
+                         ratio >= kFlat ? "" : "; relief, or the calibration of another lens");
   return out;
 }
 
@@ -46,9 +47,11 @@ SetupFinding policy_finding(const EstimatorConfig& configured, const VerdictCoun
                             const VerdictCounts& reference, bool has_imu) {
   SetupFinding out{.question = "policy"};
   const double by_flow = flow.measured_ratio(), by_reference = reference.measured_ratio();
+  // policy flow has no other estimator for the images that it does not measure
+  const double bound = configured.policy == Policy::flow ? kFlat : kMinMeasured;
   const std::string ratios =
       fmt::format("flow measures {:.0f} %, reference {:.0f} % of {} images (bound {:g} %)",
-                  100 * by_flow, 100 * by_reference, flow.frames, 100 * kMinMeasured);
+                  100 * by_flow, 100 * by_reference, flow.frames, 100 * bound);
   if (flow.frames < kMinFrames) {
     out.text = fmt::format("{} images, {} needed", flow.frames, kMinFrames);
     return out;
@@ -59,9 +62,9 @@ SetupFinding policy_finding(const EstimatorConfig& configured, const VerdictCoun
                                                : Policy::reference;
   const double measured =
       configured.policy == Policy::flow ? by_flow : std::max(by_flow, by_reference);
-  const bool fits = measured >= kMinMeasured;
+  const bool fits = measured >= bound;
   out.verdict = fits ? SetupVerdict::ok : SetupVerdict::doubtful;
-  out.measured = SetupMeasurement{measured, {}, kMinMeasured, "ratio"};
+  out.measured = SetupMeasurement{measured, {}, bound, "ratio"};
   out.text = fmt::format("{}: {}", name_of(configured.policy), ratios);
   if (out.verdict != SetupVerdict::ok && fitting != configured.policy) {
     out.remedy = fmt::format("estimator: {{policy: {}}}", name_of(fitting));

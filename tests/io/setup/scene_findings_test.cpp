@@ -26,6 +26,16 @@ TEST(SceneFindings, PolicyFlowDoesNotFitARoom) {
   EXPECT_EQ(policy_finding({}, counts(95, 5), counts(95, 5), false).verdict, SetupVerdict::ok);
 }
 
+// As with the lens of another camera, 9 % off in focal length, over a board.
+TEST(SceneFindings, PolicyFlowNeedsAPlaneInMostImages) {
+  const SetupFinding flow =
+      policy_finding({.policy = Policy::flow}, counts(54, 46), counts(97, 3), false);
+  EXPECT_EQ(flow.verdict, SetupVerdict::doubtful);
+  EXPECT_EQ(flow.remedy, "estimator: {policy: best}");
+  EXPECT_EQ(policy_finding({.policy = Policy::best}, counts(54, 46), counts(97, 3), false).verdict,
+            SetupVerdict::ok);
+}
+
 TEST(SceneFindings, GroundIsNamedByItsMeasuredShare) {
   EXPECT_EQ(ground_finding(counts(90, 10)).text.find("flat: "), 0u);
   EXPECT_EQ(ground_finding(counts(60, 40)).text.find("flat in part: "), 0u);
