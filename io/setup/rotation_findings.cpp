@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "geometry/angle.hpp"
+#include "io/setup/axes_comparison.hpp"
 #include "io/setup/block_statistics.hpp"
 
 namespace stillkite {
@@ -25,94 +26,8 @@ namespace {
 
 constexpr int kMinIntervals = 20;  // 2 s at least, two of each block
 constexpr double kMinExplained = 0.6;
-constexpr double kMinFound = 0.8;        // of a search over many offsets
-constexpr double kSameExplained = 0.05;  // hypotheses that rotation does not distinguish
-constexpr double kMinSignificance = 5;   // sigma of ten blocks
+constexpr double kMinFound = 0.8;  // of a search over many offsets
 constexpr double kMaxTilt_rad = 20 * kDegree;
-
-struct Pair {
-  Vector3d images, gyro;  // rad, less the mean rates
-};
-
-std::vector<Pair> pairs_of(const GyroIntegral& gyro, std::span<const ObservedRotation> intervals,
-                           double offset_s) {
-  const std::int64_t offset_ns = std::llround(1e9 * offset_s);
-  std::vector<Pair> out;
-  std::vector<double> dts_s;
-  Vector3d images = Vector3d::Zero(), rates = Vector3d::Zero();
-  double time_s = 0;
-  for (const ObservedRotation& rotation : intervals) {
-    const auto g = gyro.between({rotation.from.ns + offset_ns}, {rotation.to.ns + offset_ns});
-    if (!g) continue;
-    out.push_back({rotation.rotation_in_body_rad, *g});
-    dts_s.push_back(seconds_between(rotation.from, rotation.to));
-    images += rotation.rotation_in_body_rad;
-    rates += *g;
-    time_s += dts_s.back();
-  }
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i].images -= dts_s[i] / time_s * images;
-    out[i].gyro -= dts_s[i] / time_s * rates;
-  }
-  return out;
-}
-
-// Scale of least squares, not negative.
-double scale_of(std::span<const Pair> pairs, const Matrix3d& axes) {
-  double pg = 0, gg = 0;
-  for (const Pair& pair : pairs) {
-    pg += pair.images.dot(axes * pair.gyro);
-    gg += pair.gyro.squaredNorm();
-  }
-  return std::max(pg / gg, 0.0);
-}
-
-struct Gain {
-  double explained = 0;  // part of the image rotation that the better axes explain in addition
-  double sigmas = 0;     // significance
-
-  [[nodiscard]] bool is_significant() const {
-    return explained > kSameExplained && sigmas > kMinSignificance;
-  }
-};
-
-// Of `better` over `worse`, each at its best scale: a wrong focal length is no wrong axis.
-// Significance: the larger of the gain's, by the jackknife over blocks, and that of the residuals'
-// ratio. Its logarithm has the variance 4 / n for n degrees of freedom each (F distribution): three
-// axes of each block, since neighbouring residuals are correlated.
-Gain gain(std::span<const Pair> pairs, const Matrix3d& better, const Matrix3d& worse) {
-  const Matrix3d scaled_better = scale_of(pairs, better) * better;
-  const Matrix3d scaled_worse = scale_of(pairs, worse) * worse;
-  double better2 = 0, worse2 = 0;
-  for (const Pair& pair : pairs) {
-    better2 += (pair.images - scaled_better * pair.gyro).squaredNorm();
-    worse2 += (pair.images - scaled_worse * pair.gyro).squaredNorm();
-  }
-  const BlockEstimate by_blocks = block_jackknife(pairs.size(), [&](const auto& excluded) {
-    double difference = 0, whole = 0;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (excluded(i)) continue;
-      difference += (pairs[i].images - scaled_worse * pairs[i].gyro).squaredNorm() -
-                    (pairs[i].images - scaled_better * pairs[i].gyro).squaredNorm();
-      whole += pairs[i].images.squaredNorm();
-    }
-    return difference / whole;
-  });
-  constexpr double kSigmaOfLogarithm = 0.365;  // sqrt(4 / (3 kBlocks))
-  return {by_blocks.value, std::max(by_blocks.value / std::max(by_blocks.sigma, 1e-9),
-                                    std::log(worse2 / better2) / kSigmaOfLogarithm)};
-}
-
-bool is_better(std::span<const Pair> pairs, const Matrix3d& better, const Matrix3d& worse) {
-  return gain(pairs, better, worse).is_significant();
-}
-
-// Rotation about a second axis, so that a rotation of three degrees of freedom is observable.
-bool rotates_about_two_axes(const RotationSums& sums) {
-  constexpr double kMinRatio = 0.02;
-  const Vector3d energies = Eigen::SelfAdjointEigenSolver<Matrix3d>(sums.gg).eigenvalues();
-  return energies(1) > kMinRatio * energies(2);
-}
 
 std::string rotation_yaml(const Matrix3d& rotation) {
   Eigen::Quaterniond q(rotation);
@@ -287,7 +202,7 @@ class Examination {
   void choose_axes() {
     const GyroIntegral integral(gyro_);
     const RotationSums sums = rotation_sums(integral, intervals_, offset_s_);
-    pairs_ = pairs_of(integral, intervals_, offset_s_);
+    pairs_ = rotation_pairs(integral, intervals_, offset_s_);
     if (!is_explained_ || std::ssize(pairs_) < kMinIntervals) {
       add({.question = question("axes"),
            .text = fmt::format(
@@ -356,7 +271,7 @@ class Examination {
   }
 
   void report_axes(double explained_before) {
-    const Gain better = gain(pairs_, axes_, Matrix3d::Identity());
+    const AxesGain better = axes_gain(pairs_, axes_, Matrix3d::Identity());
     const std::string statistic = fmt::format(
         "{:.0f} % of the image rotation explained, {:.0f} % as configured ({:.0f} sigma, bound "
         "{:g})",
@@ -507,7 +422,7 @@ class Examination {
     if (is_permuted_) return;  // measured with the axes
     Matrix3d A = Matrix3d::Zero();
     Vector3d b = Vector3d::Zero();
-    for (const Pair& pair : pairs_) {
+    for (const RotationPair& pair : pairs_) {
       const Vector3d& g = pair.gyro;
       A += g.squaredNorm() * Matrix3d::Identity() - g * g.transpose();
       b += g.cross(pair.images - g);
@@ -520,7 +435,7 @@ class Examination {
     }
     const Vector3d d = A.ldlt().solve(b);
     double residual2 = 0;
-    for (const Pair& pair : pairs_) {
+    for (const RotationPair& pair : pairs_) {
       residual2 += (pair.images - pair.gyro - d.cross(pair.gyro)).squaredNorm();
     }
     const double variance = residual2 / (3 * static_cast<double>(pairs_.size()) - 6);
@@ -557,7 +472,7 @@ class Examination {
     const Matrix3d camera_from_body = evidence_.body_from_camera.conjugate().toRotationMatrix();
     double energy = 0, whole = 0;
     std::vector<std::array<double, 2>> sums;  // p . g, g . g about the image axes
-    for (const Pair& pair : pairs_) {
+    for (const RotationPair& pair : pairs_) {
       const Vector3d p = camera_from_body * pair.images, g = camera_from_body * axes_ * pair.gyro;
       sums.push_back({p.head<2>().dot(g.head<2>()), g.head<2>().squaredNorm()});
       energy += sums.back()[1];
@@ -615,28 +530,10 @@ class Examination {
   double offset_s_ = 0;  // of the log ahead of the images
   Matrix3d axes_ = Matrix3d::Identity();
   double explained_ = 0;
-  std::vector<Pair> pairs_;
+  std::vector<RotationPair> pairs_;
 };
 
 }  // namespace
-
-std::span<const Matrix3d> signed_permutations() {
-  static const std::vector<Matrix3d> all = [] {
-    std::vector<Matrix3d> out;
-    std::array<int, 3> order{0, 1, 2};
-    do {
-      for (int signs = 0; signs < 8; ++signs) {
-        Matrix3d axes = Matrix3d::Zero();
-        for (int row = 0; row < 3; ++row) {
-          axes(row, order[static_cast<std::size_t>(row)]) = (signs >> row & 1) != 0 ? -1 : 1;
-        }
-        out.push_back(axes);
-      }
-    } while (std::ranges::next_permutation(order).found);
-    return out;
-  }();
-  return all;
-}
 
 RotationResult rotation_findings(const RotationEvidence& evidence) {
   return Examination(evidence).run();

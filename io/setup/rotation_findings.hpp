@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,9 +14,6 @@
 // Bounds: docs/check.md.
 
 namespace stillkite {
-
-/// The 48 signed permutations of three axes; the first is the identity. 24 are rotations.
-[[nodiscard]] std::span<const Eigen::Matrix3d> signed_permutations();
 
 struct RotationEvidence {
   const TimeSeries<Eigen::Vector3d>& gyro;     ///< in body axes as configured, not empty

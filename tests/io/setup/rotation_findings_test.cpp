@@ -11,6 +11,7 @@
 
 #include "geometry/angle.hpp"
 #include "geometry/rigid_transform.hpp"
+#include "io/setup/axes_comparison.hpp"
 
 namespace stillkite {
 namespace {
