@@ -23,12 +23,14 @@ struct RotationScene {
   double offset_s = 0.013;
   double rate_rad_s = 0.5;
   double focal_ratio = 1;
+  double about_z = 1;  // share of the rotation about the IMU's z
 };
 
 // Angular rate of the IMU, sums of sines.
 Eigen::Vector3d rate_at(const RotationScene& scene, double t_s) {
-  return scene.rate_rad_s * Eigen::Vector3d(std::sin(4 * t_s), std::sin(5.3 * t_s + 1),
-                                            std::sin(3.1 * t_s + 2) + 0.3 * std::cos(7 * t_s));
+  const double z = std::sin(3.1 * t_s + 2) + 0.3 * std::cos(7 * t_s);
+  return scene.rate_rad_s *
+         Eigen::Vector3d(std::sin(4 * t_s), std::sin(5.3 * t_s + 1), scene.about_z * z);
 }
 
 struct Recording {
@@ -113,6 +115,17 @@ TEST(ImuAlignment, FindsRotationBiasAndOffset) {
     EXPECT_LT(angle_between_rad(alignment.imu_from_camera, scene.imu_from_camera), 0.3 * kDegree);
     EXPECT_NEAR(alignment.time_offset_s, offset_s, 0.002);
     EXPECT_LT((alignment.gyro_bias_rad_s - scene.bias_rad_s).norm(), 0.002);
+  }
+}
+
+// Two axes determine the rotation: the third follows, as no mirrored one is possible.
+TEST(ImuAlignment, FindsRotationByTwoAxes) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const RotationScene scene{.about_z = 0};
+    const Recording recording = record(scene, seed);
+    const ImuAlignment alignment =
+        align_imu(recording.pairs, recording.gyro(), {.gyro_density = kDensity});
+    EXPECT_LT(angle_between_rad(alignment.imu_from_camera, scene.imu_from_camera), 0.3 * kDegree);
   }
 }
 
