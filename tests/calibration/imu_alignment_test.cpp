@@ -53,8 +53,8 @@ Recording record(const RotationScene& scene, unsigned seed) {
     const double t_s = kStep_s * i;
     // the IMU's clock is ahead of the images'
     out.stamps.push_back(from_seconds(t_s + scene.offset_s));
-    out.rates_rad_s.push_back(rate_at(scene, t_s) + scene.bias_rad_s +
-                              vector(kDensity / std::sqrt(kStep_s)));
+    out.rates_rad_s.emplace_back(rate_at(scene, t_s) + scene.bias_rad_s +
+                                 vector(kDensity / std::sqrt(kStep_s)));
   }
   std::uniform_real_distribution<double> place(-0.6, 0.6), depth(3, 8);
   for (int k = 0; k < 66; ++k) {
