@@ -50,30 +50,34 @@ CameraPair camera_pair(const RigidTransform& world_from_host,
   return pair;
 }
 
+PairJacobians pair_jacobians(const CameraPair& pair) {
+  const Eigen::Matrix3d& C = pair.camera_from_imu;
+  const Eigen::Matrix3d& C_host = pair.camera_from_host_imu;
+  const Eigen::Matrix3d& R = pair.camera_from_host;
+  const Eigen::Matrix3d arm = skew(pair.lever_arm_m);
+  const Eigen::Matrix3d baseline = skew(pair.baseline_m);
+  const Eigen::Matrix3d O = Eigen::Matrix3d::Zero();
+  PairJacobians out;
+  out.by_host << C_host, O, baseline * C_host - C_host * arm, pair.camera_from_world;
+  out.by_target << -C, O, C * arm, -pair.camera_from_world;
+  out.by_extrinsics << R - Eigen::Matrix3d::Identity(), O, baseline * R, C_host - C;
+  return out;
+}
+
 std::optional<PointProjection> project_point(const CameraPair& pair,
                                              const InverseDepthPoint& point) {
   const Eigen::Vector3d y = scaled_point(pair, point);
   if (!(y.z() > kMinDepthRatio)) return std::nullopt;
   PointProjection out;
   out.bearing = y.head<2>() / y.z();
+  const double u = out.bearing.x();
+  const double v = out.bearing.y();
   Eigen::Matrix<double, 2, 3> by_y;
-  by_y << 1, 0, -out.bearing.x(), 0, 1, -out.bearing.y();
+  by_y << 1, 0, -u, 0, 1, -v;
   by_y /= y.z();
-
-  const double rho = point.inverse_depth;
-  const Eigen::Vector3d x = point.bearing.homogeneous();
-  const Eigen::Vector3d in_host_imu = pair.camera_from_imu.transpose() * x + rho * pair.lever_arm_m;
-  const Eigen::Vector3d in_target_imu =
-      pair.camera_from_imu.transpose() * y + rho * pair.lever_arm_m;
-  const Eigen::Matrix<double, 2, 3> by_host_imu = by_y * pair.camera_from_host_imu;
-  const Eigen::Matrix<double, 2, 3> by_host_camera = by_y * pair.camera_from_host;
-  const Eigen::Matrix<double, 2, 3> by_target_imu = by_y * pair.camera_from_imu;
-  const Eigen::Matrix<double, 2, 3> by_position = rho * by_y * pair.camera_from_world;
-  out.by_host << -by_host_imu * skew(in_host_imu), by_position;
-  out.by_target << by_target_imu * skew(in_target_imu), -by_position;
-  out.by_extrinsics << by_y * skew(y) - by_host_camera * skew(x),
-      rho * (by_host_imu - by_target_imu);
-  out.by_point << by_host_camera.leftCols<2>(), by_y * pair.baseline_m;
+  out.by_pair.leftCols<3>() << -u * v, 1 + u * u, -v, -1 - v * v, u * v, u;
+  out.by_pair.rightCols<3>() = point.inverse_depth * by_y;
+  out.by_point << by_y * pair.camera_from_host.leftCols<2>(), by_y * pair.baseline_m;
   return out;
 }
 

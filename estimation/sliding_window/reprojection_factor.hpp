@@ -34,27 +34,37 @@ struct InverseDepthPoint {
   double inverse_depth = 0;                           ///< 1/m
 };
 
-/// Cameras of a point's first keyframe and of another image, IMU by IMU.
+/// Camera of an image relative to the camera of a point's first keyframe, the host.
 struct CameraPair {
   Eigen::Matrix3d camera_from_imu;
   Eigen::Matrix3d camera_from_world;     ///< the other camera's rotation
   Eigen::Matrix3d camera_from_host_imu;  ///< rotation
-  Eigen::Matrix3d camera_from_host;      ///< rotation from the first keyframe's camera
-  Eigen::Vector3d baseline_m;            ///< origin of the first keyframe's camera
+  Eigen::Matrix3d camera_from_host;      ///< rotation from the host camera
+  Eigen::Vector3d baseline_m;            ///< origin of the host camera
   Eigen::Vector3d lever_arm_m;
 };
 [[nodiscard]] CameraPair camera_pair(const RigidTransform& world_from_host,
                                      const RigidTransform& world_from_target,
                                      const RigidTransform& imu_from_camera);
 
-/// Projection of a point to z = 1 of the other camera, with Jacobians; pose errors as
-/// InertialIndex, of the IMUs at the first keyframe and at the other image.
+/// Error (rotation r, baseline b) of a camera pair: y + r x y + inverse depth * b, y the point in
+/// the other camera over its depth in the host camera.
+using PairError = Vector6d;
+
+/// Error of a camera pair by the errors of the IMU's poses (order of InertialIndex), and of
+/// rotation and lever arm of the camera.
+struct PairJacobians {
+  Matrix6d by_host;
+  Matrix6d by_target;
+  Matrix6d by_extrinsics;
+};
+[[nodiscard]] PairJacobians pair_jacobians(const CameraPair& pair);
+
+/// Projection of a point to z = 1 of the other camera, with Jacobians.
 struct PointProjection {
   Eigen::Vector2d bearing;
-  Eigen::Matrix<double, 2, 6> by_host;
-  Eigen::Matrix<double, 2, 6> by_target;
-  Eigen::Matrix<double, 2, 6> by_extrinsics;  ///< rotation and lever arm
-  Eigen::Matrix<double, 2, 3> by_point;       ///< bearing and inverse depth
+  Eigen::Matrix<double, 2, 6> by_pair;   ///< PairError
+  Eigen::Matrix<double, 2, 3> by_point;  ///< bearing and inverse depth
 };
 
 /// Empty if the point is behind the camera.

@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 #include <optional>
-#include <utility>
+#include <span>
 
 #include "estimation/robust_kernel.hpp"
 #include "estimation/sliding_window/imu_factor.hpp"
@@ -43,45 +43,131 @@ void add_host_observation(const WindowTrack& track, PointEquations& point) {
   point.g.head<2>() += host.information * (host.bearing - track.point->bearing);
 }
 
-// Observation of a point by another camera than its first keyframe's; left out behind the camera.
-void add_observation(const WindowFrame& host_frame, const WindowFrame& target_frame,
-                     const WindowObservation& observation,
-                     const std::optional<Eigen::Vector2d>& seen,
-                     const std::optional<PointProjection>& linear, int h, int t,
-                     PointEquations& point, WindowLinearization& out) {
+// Index of the equations of each host, and of each pair among those of its host.
+class EquationsIndex {
+ public:
+  explicit EquationsIndex(std::size_t frames)
+      : frames_(frames), hosts_(frames), pairs_(frames * frames) {}
+
+  std::optional<std::size_t>& host(std::size_t host) { return hosts_[host]; }
+  std::optional<std::size_t>& pair(std::size_t host, std::size_t target) {
+    return pairs_[host * frames_ + target];
+  }
+
+ private:
+  std::size_t frames_;
+  std::vector<std::optional<std::size_t>> hosts_;
+  std::vector<std::optional<std::size_t>> pairs_;
+};
+
+PairEquations pair_equations(const Window& window, std::size_t host, std::size_t target,
+                             const CameraPair& pair) {
+  const PairJacobians by = pair_jacobians(pair);
+  PairEquations out;
+  out.target = target;
+  out.by_shared << by.by_extrinsics,
+      by.by_host * window.frames[host].pose_rate() +
+          by.by_target * window.frames[target].pose_rate(),
+      by.by_host;
+  out.by_target = by.by_target;
+  return out;
+}
+
+// A view of a point; left out behind the camera.
+void add_view(const WindowObservation& observation, const std::optional<Eigen::Vector2d>& seen,
+              const std::optional<PointProjection>& linear, std::size_t pair, PointEquations& point,
+              HostEquations& out) {
   if (!seen || !linear) return;
   const Eigen::Vector2d residual = observation.bearing - *seen;
   const double squared = residual.dot(observation.information * residual);
   const Eigen::Matrix2d information =
       robust_weight(RobustKernel::huber, squared).weight * observation.information;
-
-  Eigen::Matrix<double, 2, kExtrinsics> by_extrinsics;
-  by_extrinsics << linear->by_extrinsics,
-      linear->by_host * host_frame.pose_rate() + linear->by_target * target_frame.pose_rate();
-  const Eigen::Matrix<double, kPose, 2> host_weighted = linear->by_host.transpose() * information;
-  const Eigen::Matrix<double, kPose, 2> target_weighted =
-      linear->by_target.transpose() * information;
-  const Eigen::Matrix<double, kExtrinsics, 2> extrinsics_weighted =
-      by_extrinsics.transpose() * information;
+  const Eigen::Matrix<double, 6, 2> pair_weighted = linear->by_pair.transpose() * information;
   const Eigen::Matrix<double, 3, 2> point_weighted = linear->by_point.transpose() * information;
-  out.H.block<kPose, kPose>(h, h).noalias() += host_weighted * linear->by_host;
-  out.H.block<kPose, kPose>(t, t).noalias() += target_weighted * linear->by_target;
-  if (h > t) {
-    out.H.block<kPose, kPose>(h, t).noalias() += host_weighted * linear->by_target;
-  } else {
-    out.H.block<kPose, kPose>(t, h).noalias() += target_weighted * linear->by_host;
-  }
-  out.H.block<kExtrinsics, kExtrinsics>(0, 0).noalias() += extrinsics_weighted * by_extrinsics;
-  out.H.block<kPose, kExtrinsics>(h, 0).noalias() += host_weighted * by_extrinsics;
-  out.H.block<kPose, kExtrinsics>(t, 0).noalias() += target_weighted * by_extrinsics;
-  out.g.segment<kPose>(h).noalias() += host_weighted * residual;
-  out.g.segment<kPose>(t).noalias() += target_weighted * residual;
-  out.g.head<kExtrinsics>().noalias() += extrinsics_weighted * residual;
+  PairEquations& equations = out.pairs[pair];
+  equations.H.noalias() += pair_weighted * linear->by_pair;
+  equations.g.noalias() += pair_weighted * residual;
   point.V.noalias() += point_weighted * linear->by_point;
   point.g.noalias() += point_weighted * residual;
-  point.pose_block(h).noalias() += point_weighted * linear->by_host;
-  point.pose_block(t).noalias() += point_weighted * linear->by_target;
-  point.by_extrinsics.noalias() += point_weighted * by_extrinsics;
+  out.views.push_back({pair, point_weighted * linear->by_pair});
+}
+
+// Subtracts W^T V^-1 W and W^T V^-1 g of each point; lower triangle only.
+WindowEquations eliminate_points(HostEquations& host, double damping) {
+  const Eigen::Index size = 6 * static_cast<Eigen::Index>(host.pairs.size());
+  WindowEquations out{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
+  for (std::size_t i = 0; i < host.pairs.size(); ++i) {
+    const Eigen::Index at = 6 * static_cast<Eigen::Index>(i);
+    out.information.block<6, 6>(at, at) = host.pairs[i].H;
+    out.gradient.segment<6>(at) = host.pairs[i].g;
+  }
+  std::vector<Eigen::Matrix<double, 6, 3>> weighted;
+  for (PointEquations& point : host.points) {
+    Eigen::Matrix3d V = point.V;
+    V.diagonal() *= 1 + damping;
+    point.inverse = V.inverse();
+    if (!point.inverse.allFinite()) point.inverse.setZero();
+    const std::span<const PointView> views(host.views.data() + point.first_view, point.views);
+    weighted.clear();
+    for (std::size_t a = 0; a < views.size(); ++a) {
+      const Eigen::Index row = 6 * static_cast<Eigen::Index>(views[a].pair);
+      weighted.emplace_back(views[a].W.transpose() * point.inverse);
+      out.gradient.segment<6>(row).noalias() -= weighted[a] * point.g;
+      for (std::size_t b = 0; b <= a; ++b) {
+        const Eigen::Index column = 6 * static_cast<Eigen::Index>(views[b].pair);
+        if (row >= column) {
+          out.information.block<6, 6>(row, column).noalias() -= weighted[a] * views[b].W;
+        } else {
+          out.information.block<6, 6>(column, row).noalias() -= weighted[b] * views[a].W;
+        }
+      }
+    }
+  }
+  return out;
+}
+
+// Adds equations of the pairs of a host, both triangles, to those of the window's variables.
+void add_pairs(const HostEquations& host, const WindowEquations& pairs,
+               const std::vector<int>& offsets, WindowEquations& out) {
+  constexpr int kShared = PairEquations::kShared;
+  const Eigen::Index size = pairs.gradient.size();
+  Eigen::Matrix<double, Eigen::Dynamic, kShared> by_shared(size, kShared);
+  for (std::size_t i = 0; i < host.pairs.size(); ++i) {
+    by_shared.middleRows<6>(6 * static_cast<Eigen::Index>(i)) = host.pairs[i].by_shared;
+  }
+  const Eigen::Matrix<double, Eigen::Dynamic, kShared> weighted = pairs.information * by_shared;
+  const Eigen::Matrix<double, kShared, kShared> shared = by_shared.transpose() * weighted;
+  const Eigen::Matrix<double, kShared, 1> shared_g = by_shared.transpose() * pairs.gradient;
+  const int h = offsets[host.host];
+  out.information.topLeftCorner<kExtrinsics, kExtrinsics>() +=
+      shared.topLeftCorner<kExtrinsics, kExtrinsics>();
+  out.information.block<kPose, kExtrinsics>(h, 0) += shared.bottomLeftCorner<kPose, kExtrinsics>();
+  out.information.block<kPose, kPose>(h, h) += shared.bottomRightCorner<kPose, kPose>();
+  out.gradient.head<kExtrinsics>() += shared_g.head<kExtrinsics>();
+  out.gradient.segment<kPose>(h) += shared_g.tail<kPose>();
+  for (std::size_t i = 0; i < host.pairs.size(); ++i) {
+    const PairEquations& pair = host.pairs[i];
+    const Eigen::Index row = 6 * static_cast<Eigen::Index>(i);
+    const int t = offsets[pair.target];
+    const Eigen::Matrix<double, kPose, kShared> by =
+        pair.by_target.transpose() * weighted.middleRows<6>(row);
+    out.information.block<kPose, kExtrinsics>(t, 0) += by.leftCols<kExtrinsics>();
+    if (t > h) {
+      out.information.block<kPose, kPose>(t, h) += by.rightCols<kPose>();
+    } else {
+      out.information.block<kPose, kPose>(h, t) += by.rightCols<kPose>().transpose();
+    }
+    out.gradient.segment<kPose>(t).noalias() +=
+        pair.by_target.transpose() * pairs.gradient.segment<6>(row);
+    for (std::size_t k = 0; k < host.pairs.size(); ++k) {
+      const int other = offsets[host.pairs[k].target];
+      if (other > t) continue;
+      const Eigen::Index column = 6 * static_cast<Eigen::Index>(k);
+      out.information.block<kPose, kPose>(t, other).noalias() +=
+          pair.by_target.transpose() * pairs.information.block<6, 6>(row, column) *
+          host.pairs[k].by_target;
+    }
+  }
 }
 
 }  // namespace
@@ -117,59 +203,65 @@ Eigen::VectorXd error_from_first_estimates(const Window& window) {
 }
 
 WindowLinearization linearize(const Window& window, const WindowScope& scope) {
-  const std::vector<int> offsets = window.offsets();
   WindowLinearization out;
+  out.offsets = window.offsets();
   out.H = window.prior.information;
   out.g = window.prior.gradient - window.prior.information * error_from_first_estimates(window);
-  for (const std::size_t end : scope.imu_frames) add_imu(window, end, offsets, out);
-  for (const std::size_t i : scope.rest_frames) add_rest(window.frames[i], offsets[i], out);
+  for (const std::size_t end : scope.imu_frames) add_imu(window, end, out.offsets, out);
+  for (const std::size_t i : scope.rest_frames) add_rest(window.frames[i], out.offsets[i], out);
   CameraPairs present(window, false);
   CameraPairs first(window, true);
-  out.points.reserve(scope.tracks.size());
+  EquationsIndex index(window.frames.size());
   for (const std::size_t i : scope.tracks) {
     const WindowTrack& track = window.tracks[i];
     const std::size_t host = *window.find(track.observations.front().frame_id);
+    std::optional<std::size_t>& host_at = index.host(host);
+    if (!host_at) {
+      host_at = out.hosts.size();
+      out.hosts.push_back({.host = host, .pairs = {}, .points = {}, .views = {}});
+    }
+    HostEquations& equations = out.hosts[*host_at];
     PointEquations point;
     point.track = i;
+    point.first_view = equations.views.size();
     add_host_observation(track, point);
     for (std::size_t k = 1; k < track.observations.size(); ++k) {
       const WindowObservation& observation = track.observations[k];
       if (observation.frame_id == scope.excluded_frame_id) continue;
       const std::size_t target = *window.find(observation.frame_id);
-      add_observation(window.frames[host], window.frames[target], observation,
-                      project_bearing(present.at(host, target), *track.point),
-                      project_point(first.at(host, target), *track.point), offsets[host],
-                      offsets[target], point, out);
+      std::optional<std::size_t>& pair_at = index.pair(host, target);
+      if (!pair_at) {
+        pair_at = equations.pairs.size();
+        equations.pairs.push_back(pair_equations(window, host, target, first.at(host, target)));
+      }
+      add_view(observation, project_bearing(present.at(host, target), *track.point),
+               project_point(first.at(host, target), *track.point), *pair_at, point, equations);
     }
-    out.points.push_back(std::move(point));
+    point.views = equations.views.size() - point.first_view;
+    equations.points.push_back(point);
   }
   return out;
 }
 
-// Subtracts W^T V^-1 W and W^T V^-1 g of each point.
 WindowEquations eliminate_points(WindowLinearization& linear, double damping) {
   WindowEquations out{linear.H, linear.g};
-  for (PointEquations& point : linear.points) {
-    Eigen::Matrix3d V = point.V;
-    V.diagonal() *= 1 + damping;
-    point.inverse = V.inverse();
-    if (!point.inverse.allFinite()) point.inverse.setZero();
-    const Eigen::Vector3d inverse_g = point.inverse * point.g;
-    const Eigen::Matrix<double, kExtrinsics, 3> extrinsics =
-        point.by_extrinsics.transpose() * point.inverse;
-    out.information.topLeftCorner<kExtrinsics, kExtrinsics>().noalias() -=
-        extrinsics * point.by_extrinsics;
-    out.gradient.head<kExtrinsics>().noalias() -= point.by_extrinsics.transpose() * inverse_g;
-    for (const auto& a : point.poses) {
-      const Eigen::Matrix<double, kPose, 3> weighted = a.W.transpose() * point.inverse;
-      out.gradient.segment<kPose>(a.at).noalias() -= a.W.transpose() * inverse_g;
-      out.information.block<kPose, kExtrinsics>(a.at, 0).noalias() -=
-          weighted * point.by_extrinsics;
-      for (const auto& b : point.poses) {
-        if (b.at > a.at) continue;
-        out.information.block<kPose, kPose>(a.at, b.at).noalias() -= weighted * b.W;
-      }
-    }
+  for (HostEquations& host : linear.hosts) {
+    WindowEquations pairs = eliminate_points(host, damping);
+    pairs.information.triangularView<Eigen::StrictlyUpper>() = pairs.information.transpose();
+    add_pairs(host, pairs, linear.offsets, out);
+  }
+  return out;
+}
+
+std::vector<PairError> pair_errors(const HostEquations& host, const std::vector<int>& offsets,
+                                   const Eigen::VectorXd& error) {
+  Eigen::Matrix<double, PairEquations::kShared, 1> shared;
+  shared << error.head<kExtrinsics>(), error.segment<kPose>(offsets[host.host]);
+  std::vector<PairError> out;
+  out.reserve(host.pairs.size());
+  for (const PairEquations& pair : host.pairs) {
+    out.emplace_back(pair.by_shared * shared +
+                     pair.by_target * error.segment<kPose>(offsets[pair.target]));
   }
   return out;
 }

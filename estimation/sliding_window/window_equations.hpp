@@ -27,42 +27,63 @@ struct WindowEquations {
   Eigen::VectorXd gradient;
 };
 
-/// `window_equations` in two steps, for the values of the points.
+/// `window_equations` in two steps, for the values of the points. Residuals depend on the variables
+/// by the errors of the camera pairs only: equations are summed up by pair, for each host, and
+/// expressed by the window's variables afterwards.
 
-/// Normal equations of a point: V d = g - W (poses and extrinsics).
+/// Camera pair of a host and another image.
+struct PairEquations {
+  static constexpr int kShared = ExtrinsicsIndex::kSize + InertialIndex::kPoseSize;
+
+  std::size_t target = 0;                       ///< frame of the other image
+  Eigen::Matrix<double, 6, kShared> by_shared;  ///< by extrinsics, then the host's pose
+  Matrix6d by_target;
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+};
+
+/// Normal equations of a point: V d = g - W (errors of its pairs).
 struct PointEquations {
   std::size_t track = 0;
   Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  struct PoseBlock {
-    int at;
-    Eigen::Matrix<double, 3, InertialIndex::kPoseSize> W;
-  };
-  std::vector<PoseBlock> poses;
-  Eigen::Matrix<double, 3, ExtrinsicsIndex::kSize> by_extrinsics =
-      Eigen::Matrix<double, 3, ExtrinsicsIndex::kSize>::Zero();
+  std::size_t first_view = 0;  ///< in HostEquations::views
+  std::size_t views = 0;
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  ///< of V, with damping
-
-  Eigen::Matrix<double, 3, InertialIndex::kPoseSize>& pose_block(int at) {
-    for (PoseBlock& block : poses) {
-      if (block.at == at) return block.W;
-    }
-    poses.push_back({at, Eigen::Matrix<double, 3, InertialIndex::kPoseSize>::Zero()});
-    return poses.back().W;
-  }
 };
 
-/// Normal equations before the elimination of the points; lower triangle only.
+/// View of a point in the other image of a pair.
+struct PointView {
+  std::size_t pair = 0;
+  Eigen::Matrix<double, 3, 6> W;
+};
+
+/// Equations of all points of one first keyframe.
+struct HostEquations {
+  std::size_t host = 0;  ///< frame
+  std::vector<PairEquations> pairs;
+  std::vector<PointEquations> points;
+  std::vector<PointView> views;
+};
+
+/// Normal equations before the elimination of the points. `H`, `g`: of prior, IMU and rest; lower
+/// triangle only.
 struct WindowLinearization {
   Eigen::MatrixXd H;
   Eigen::VectorXd g;
-  std::vector<PointEquations> points;
+  std::vector<HostEquations> hosts;
+  std::vector<int> offsets;  ///< of the window
 };
 
 [[nodiscard]] WindowLinearization linearize(const Window& window, const WindowScope& scope);
 
 /// Lower triangle only. `damping`: relative, of the points' diagonals.
 [[nodiscard]] WindowEquations eliminate_points(WindowLinearization& linear, double damping);
+
+/// Errors of the pairs of a host by those of the window's variables.
+[[nodiscard]] std::vector<PairError> pair_errors(const HostEquations& host,
+                                                 const std::vector<int>& offsets,
+                                                 const Eigen::VectorXd& error);
 
 /// Normal equations at the present estimate, both triangles.
 [[nodiscard]] WindowEquations window_equations(const Window& window, const WindowScope& scope);

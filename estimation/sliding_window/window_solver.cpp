@@ -88,24 +88,32 @@ void restore(const Values& values, const WindowScope& scope, Window& window) {
 // A step that would move a point behind the camera or onto it is far outside the linear range.
 constexpr double kMaxDepthRatio_per_step = 5;
 
-void apply_step(const Eigen::VectorXd& step, const WindowLinearization& linear, Window& window) {
-  const std::vector<int> offsets = window.offsets();
-  for (const PointEquations& point : linear.points) {
-    Eigen::Vector3d right = point.g - point.by_extrinsics * step.head<ExtrinsicsIndex::kSize>();
-    for (const auto& block : point.poses)
-      right -= block.W * step.segment<InertialIndex::kPoseSize>(block.at);
-    const Eigen::Vector3d d = point.inverse * right;
-    InverseDepthPoint& target = *window.tracks[point.track].point;
-    target.bearing += d.head<2>();
-    target.inverse_depth =
-        std::clamp(target.inverse_depth + d.z(), target.inverse_depth / kMaxDepthRatio_per_step,
-                   target.inverse_depth * kMaxDepthRatio_per_step);
+void move_points(const Eigen::VectorXd& step, const WindowLinearization& linear, Window& window) {
+  for (const HostEquations& host : linear.hosts) {
+    const std::vector<PairError> errors = pair_errors(host, linear.offsets, step);
+    for (const PointEquations& point : host.points) {
+      Eigen::Vector3d right = point.g;
+      for (std::size_t i = 0; i < point.views; ++i) {
+        const PointView& view = host.views[point.first_view + i];
+        right -= view.W * errors[view.pair];
+      }
+      const Eigen::Vector3d d = point.inverse * right;
+      InverseDepthPoint& target = *window.tracks[point.track].point;
+      target.bearing += d.head<2>();
+      target.inverse_depth =
+          std::clamp(target.inverse_depth + d.z(), target.inverse_depth / kMaxDepthRatio_per_step,
+                     target.inverse_depth * kMaxDepthRatio_per_step);
+    }
   }
+}
+
+void apply_step(const Eigen::VectorXd& step, const WindowLinearization& linear, Window& window) {
+  move_points(step, linear, window);
   window.extrinsics = plus(window.extrinsics, step.head<ExtrinsicsIndex::kSize>());
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     WindowFrame& frame = window.frames[i];
     InertialError error = InertialError::Zero();
-    error.head(frame.size()) = step.segment(offsets[i], frame.size());
+    error.head(frame.size()) = step.segment(linear.offsets[i], frame.size());
     frame.state = plus(frame.state, error);
   }
 }

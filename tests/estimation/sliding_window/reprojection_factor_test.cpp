@@ -28,7 +28,9 @@ TEST(ReprojectionFactor, ProjectsToTheBearingOfThePoint) {
 }
 
 TEST(ReprojectionFactor, JacobiansAgreeWithDifferences) {
-  const auto at = project_point(camera_pair(kHost, kTarget, kImuFromCamera), kPoint);
+  const CameraPair pair = camera_pair(kHost, kTarget, kImuFromCamera);
+  const PairJacobians by = pair_jacobians(pair);
+  const auto at = project_point(pair, kPoint);
   ASSERT_TRUE(at);
   constexpr double kStep = 1e-6;
   const auto difference = [&](const auto& bearing, const auto& step) {
@@ -54,9 +56,9 @@ TEST(ReprojectionFactor, JacobiansAgreeWithDifferences) {
                                   kPoint);
         },
         step);
-    EXPECT_LT((at->by_host.col(i) - by_host).norm(), 1e-7) << i;
-    EXPECT_LT((at->by_target.col(i) - by_target).norm(), 1e-7) << i;
-    EXPECT_LT((at->by_extrinsics.col(i) - by_extrinsics).norm(), 1e-7) << i;
+    EXPECT_LT((at->by_pair * by.by_host.col(i) - by_host).norm(), 1e-7) << i;
+    EXPECT_LT((at->by_pair * by.by_target.col(i) - by_target).norm(), 1e-7) << i;
+    EXPECT_LT((at->by_pair * by.by_extrinsics.col(i) - by_extrinsics).norm(), 1e-7) << i;
   }
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
