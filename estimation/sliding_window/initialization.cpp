@@ -8,6 +8,7 @@
 #include "estimation/sliding_window/reprojection_errors.hpp"
 #include "estimation/sliding_window/rotation_alignment.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
+#include "estimation/sliding_window/window_step.hpp"
 #include "geometry/median.hpp"
 
 namespace stillkite {
@@ -89,17 +90,8 @@ void add_rest(const InitialRest& rest, const WindowFrame& frame, int at, Margina
 }  // namespace
 
 double scale_sigma_ratio(const Window& window) {
-  const std::optional<Eigen::MatrixXd> covariance = window_covariance(window);
-  if (!covariance) return std::numeric_limits<double>::infinity();
-  const std::vector<int> offsets = window.offsets();
-  Eigen::VectorXd direction = Eigen::VectorXd::Zero(covariance->rows());
-  for (std::size_t i = 1; i < window.frames.size(); ++i) {
-    direction.segment<3>(offsets[i] + InertialIndex::kPosition) =
-        window.frames[i].state.world_from_imu.translation -
-        window.frames.front().state.world_from_imu.translation;
-  }
-  const double squared = direction.squaredNorm();
-  return std::sqrt(direction.dot(*covariance * direction)) / squared;
+  const Eigen::VectorXd direction = scale_direction(window);
+  return window_sigma(window, direction) / direction.squaredNorm();
 }
 
 void set_initial_prior(Window& window, const InertialPriors& priors,
@@ -162,9 +154,13 @@ void initialize_at_rest(Window& window, const InitialRest& rest) {
 
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
                                     const InertialPriors& priors) {
-  constexpr int kRounds = 3;  // the linearization point of the first frame moves
-  constexpr int kIterations = 20;
+  // the linearization point of the first frame moves
+  constexpr int kMaxRounds = 15;
+  constexpr int kIterations = 4;
+  constexpr double kMinDecrease = 0.02;
   constexpr double kMaxScaleSigma_ratio = 0.1;
+  // the linear solution's is within a factor of two of it, or far above
+  constexpr double kMaxLinearScaleSigma_ratio = 2 * kMaxScaleSigma_ratio;
   constexpr double kMaxMeanSquaredError = 8;
   constexpr double kMaxDecrement = 0.5;     // one standard deviation from the minimum
   constexpr double kMaxBiasSigmas2 = 11.3;  // 99 %, three degrees of freedom
@@ -174,12 +170,17 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   if (!alignment) return {};
   set_states(*alignment, world_from_first, window);
   if (whole_window(window).tracks.size() < kMinPoints) return {};
+  set_initial_prior(window, priors);
+  if (!(scale_sigma_ratio(window) < kMaxLinearScaleSigma_ratio)) return {};
   WindowFit fit;
-  for (int round = 0; round < kRounds; ++round) {
+  double last_cost = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kMaxRounds; ++round) {
     linearize_at_present_extrinsics(window);
     reject_outlier_points(window);
     set_initial_prior(window, priors);
     fit = optimize(window, kIterations);
+    if (fit.iterations < kIterations || !(fit.cost < last_cost - kMinDecrease)) break;
+    last_cost = fit.cost;
   }
   set_initial_prior(window, priors);
   Initialization out;

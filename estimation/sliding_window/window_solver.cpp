@@ -8,6 +8,7 @@
 #include "estimation/robust_kernel.hpp"
 #include "estimation/sliding_window/imu_factor.hpp"
 #include "estimation/sliding_window/reprojection_errors.hpp"
+#include "estimation/sliding_window/window_step.hpp"
 
 namespace stillkite {
 namespace {
@@ -85,39 +86,6 @@ void restore(const Values& values, const WindowScope& scope, Window& window) {
   }
 }
 
-// A step that would move a point behind the camera or onto it is far outside the linear range.
-constexpr double kMaxDepthRatio_per_step = 5;
-
-void move_points(const Eigen::VectorXd& step, const WindowLinearization& linear, Window& window) {
-  for (const HostEquations& host : linear.hosts) {
-    const std::vector<PairError> errors = pair_errors(host, linear.offsets, step);
-    for (const PointEquations& point : host.points) {
-      Eigen::Vector3d right = point.g;
-      for (std::size_t i = 0; i < point.views; ++i) {
-        const PointView& view = host.views[point.first_view + i];
-        right -= view.W * errors[view.pair];
-      }
-      const Eigen::Vector3d d = point.inverse * right;
-      InverseDepthPoint& target = *window.tracks[point.track].point;
-      target.bearing += d.head<2>();
-      target.inverse_depth =
-          std::clamp(target.inverse_depth + d.z(), target.inverse_depth / kMaxDepthRatio_per_step,
-                     target.inverse_depth * kMaxDepthRatio_per_step);
-    }
-  }
-}
-
-void apply_step(const Eigen::VectorXd& step, const WindowLinearization& linear, Window& window) {
-  move_points(step, linear, window);
-  window.extrinsics = plus(window.extrinsics, step.head<ExtrinsicsIndex::kSize>());
-  for (std::size_t i = 0; i < window.frames.size(); ++i) {
-    WindowFrame& frame = window.frames[i];
-    InertialError error = InertialError::Zero();
-    error.head(frame.size()) = step.segment(linear.offsets[i], frame.size());
-    frame.state = plus(frame.state, error);
-  }
-}
-
 }  // namespace
 
 WindowFit optimize(Window& window, int max_iterations) {
@@ -162,6 +130,13 @@ double newton_decrement(const Window& window) {
   const Eigen::LLT<Eigen::MatrixXd> factor(equations.information);
   if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
   return 0.5 * equations.gradient.dot(factor.solve(equations.gradient));
+}
+
+double window_sigma(const Window& window, const Eigen::VectorXd& combination) {
+  const WindowEquations equations = window_equations(window, whole_window(window));
+  const Eigen::LLT<Eigen::MatrixXd> factor(equations.information);
+  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return factor.matrixL().solve(combination).norm();
 }
 
 std::optional<Eigen::MatrixXd> window_covariance(const Window& window) {

@@ -24,6 +24,10 @@ WindowFit optimize(Window& window, int max_iterations);
 /// distance from the minimum in standard deviations; infinite if they cannot be solved.
 [[nodiscard]] double newton_decrement(const Window& window);
 
+/// Standard deviation of a linear combination of the variables' errors; infinite if it is not
+/// observable.
+[[nodiscard]] double window_sigma(const Window& window, const Eigen::VectorXd& combination);
+
 /// Covariance of all variables; empty if they are not observable.
 [[nodiscard]] std::optional<Eigen::MatrixXd> window_covariance(const Window& window);
 
