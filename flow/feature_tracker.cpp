@@ -12,14 +12,15 @@ void FeatureTracker::set_reference(const cv::Mat& grey,
 }
 
 const FeatureTracks& FeatureTracker::track(const cv::Mat& grey,
-                                           std::optional<double> image_rotation_rad) {
+                                           std::optional<double> image_rotation_rad,
+                                           const AffineFlow& expected_px) {
   const FeatureTracks& tracks = alignment_.tracks();
-  // 1. Align from the displacements of the previous frame, else from zero.
+  // 1. Align from the displacements of the previous frame, else from the reference.
   alignment_.set_current(grey);
   if (has_previous_) {
-    alignment_.align_from_last();
+    alignment_.align_from_last(expected_px);
   } else {
-    alignment_.align_from({});
+    alignment_.align_from(expected_px);
   }
   // 2. Most features lost, e.g. after a large motion: register the whole image.
   if (config_.search && is_lost()) register_lost_features(alignment_, image_rotation_rad);

@@ -70,9 +70,11 @@ void PatchAlignment::align_from(const AffineFlow& motion) {
   align(false);
 }
 
-void PatchAlignment::align_from_last() {
+void PatchAlignment::align_from_last(const AffineFlow& since) {
   for (std::size_t i = 0; i < displacements_px_.size(); ++i) {
-    if (tracks_.found[i] == 0) displacements_px_[i] = motion_.at(tracks_.reference_px[i]);
+    Eigen::Vector2f& displacement_px = displacements_px_[i];
+    if (tracks_.found[i] == 0) displacement_px = motion_.at(tracks_.reference_px[i]);
+    displacement_px += since.at(tracks_.reference_px[i] + displacement_px);
   }
   align(true);
 }

@@ -46,8 +46,9 @@ class PatchAlignment {
   /// Aligns all features from the displacements of a global motion.
   void align_from(const AffineFlow& motion);
 
-  /// Aligns the features from their last displacements; those not `found` from motion().
-  void align_from_last();
+  /// Aligns the features from their last displacements, those not `found` from motion(), moved by
+  /// the flow that is expected since.
+  void align_from_last(const AffineFlow& since);
 
   [[nodiscard]] const FeatureTracks& tracks() const { return tracks_; }
   /// Global motion of the last alignment, fitted on its coarse levels.

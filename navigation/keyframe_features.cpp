@@ -3,7 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <optional>
+#include <utility>
 
 #include "flow/feature_detection.hpp"
 #include "flow/image_mask.hpp"
@@ -12,6 +14,8 @@ namespace stillkite {
 namespace {
 
 constexpr int kFeatures = 200;
+// Features are detected in an image of half the size.
+constexpr float kDetectionScale = 0.5F;
 
 // Errors of a patch are 1 to 1.6 standard deviations of its covariance (FeatureTracks).
 constexpr double kMaxErrorSigmas = 1.6;
@@ -24,8 +28,30 @@ DetectorConfig spread_detector(const Camera& camera) {
   DetectorConfig config;
   config.max_features = kFeatures;
   config.min_distance_px =
+      kDetectionScale *
       std::sqrt(camera.width_px * static_cast<double>(camera.height_px) / kFeatures) * 2 / 3;
   return config;
+}
+
+// Features of an image that are not near the known ones.
+std::vector<cv::Point2f> detect_new_features(const Frame& frame, const DetectorConfig& detector,
+                                             const std::vector<cv::Point2f>& known_px) {
+  const auto resized = [](const cv::Mat& image) {
+    cv::Mat out;
+    cv::resize(image, out, {}, kDetectionScale, kDetectionScale, cv::INTER_AREA);
+    return out;
+  };
+  const auto scaled = [](std::vector<cv::Point2f> points_px, float scale) {
+    // pixel centres are at whole numbers
+    for (cv::Point2f& at : points_px) {
+      at = scale * at + cv::Point2f(1, 1) * (0.5F * (scale - 1));
+    }
+    return points_px;
+  };
+  const cv::Mat mask = frame.mask ? resized(frame.mask->valid_pixels()) : cv::Mat();
+  return scaled(
+      detect_features(resized(frame.grey), detector, scaled(known_px, kDetectionScale), mask),
+      1 / kDetectionScale);
 }
 
 // As PatchAlignment::set_reference places the patch of a feature.
@@ -42,9 +68,10 @@ KeyframeFeatures::KeyframeFeatures(const Camera& camera, double lens_sigma_px)
       tracker_(FeatureTrackerConfig{}) {}
 
 std::vector<FeatureObservation> KeyframeFeatures::track(const Frame& frame) {
+  std::swap(previous_, found_);
   found_.clear();
   tracker_.set_mask(frame.mask);
-  const FeatureTracks& tracks = tracker_.track(frame.grey);
+  const FeatureTracks& tracks = tracker_.track(frame.grey, {}, expected_flow_px(frame.stamp));
   for (std::size_t i = 0; i < features_.size(); ++i) {
     if (tracks.found[i] == 0) continue;
     // the feature moves as the centre of its patch, at most half a pixel away
@@ -52,10 +79,38 @@ std::vector<FeatureObservation> KeyframeFeatures::track(const Frame& frame) {
     found_.push_back({i, tracks.current_px[i] + offset_px,
                       features_[i].covariance_px2 + tracks.covariance_px2[i]});
   }
+  update_flow(frame.stamp);
   return observations(found_);
 }
 
+// The image moves on as in the last interval.
+AffineFlow KeyframeFeatures::expected_flow_px(Timestamp stamp) const {
+  if (!(interval_s_ > 0)) return {};
+  const auto ratio = static_cast<float>(seconds_between(last_, stamp) / interval_s_);
+  AffineFlow expected_px = flow_px_;
+  expected_px.offset_px *= ratio;
+  expected_px.gradient *= ratio;
+  return expected_px;
+}
+
+void KeyframeFeatures::update_flow(Timestamp stamp) {
+  std::vector<Eigen::Vector2f> from_px, displacements_px;
+  auto before = previous_.begin();
+  for (const Found& now : found_) {
+    while (before != previous_.end() && before->feature < now.feature) ++before;
+    if (before == previous_.end()) break;
+    if (before->feature != now.feature) continue;
+    from_px.push_back(before->at_px);
+    displacements_px.emplace_back(now.at_px - before->at_px);
+  }
+  flow_px_ =
+      fit_affine_flow(from_px, displacements_px, std::vector<unsigned char>(from_px.size(), 1));
+  interval_s_ = from_px.empty() ? 0 : seconds_between(last_, stamp);
+  last_ = stamp;
+}
+
 std::vector<FeatureObservation> KeyframeFeatures::take_keyframe(const Frame& frame) {
+  last_ = frame.stamp;
   std::vector<cv::Point2f> points_px;
   std::vector<Feature> features;
   std::vector<Found> found;
@@ -69,8 +124,7 @@ std::vector<FeatureObservation> KeyframeFeatures::take_keyframe(const Frame& fra
   }
   DetectorConfig detector = detector_;
   detector.max_features = std::max(20, kFeatures - static_cast<int>(found_.size()));
-  for (const cv::Point2f& point : detect_features(
-           frame.grey, detector, points_px, frame.mask ? frame.mask->valid_pixels() : cv::Mat())) {
+  for (const cv::Point2f& point : detect_new_features(frame, detector, points_px)) {
     points_px.push_back(point);
     const Eigen::Vector2f at_px = patch_centre_px(point);
     features.push_back({.track_id = next_track_id_++, .at_px = at_px});

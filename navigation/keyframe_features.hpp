@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "estimation/sliding_window/sliding_window.hpp"
+#include "flow/affine_flow.hpp"
 #include "flow/detector_config.hpp"
 #include "flow/feature_tracker.hpp"
 #include "flow/frame.hpp"
@@ -52,13 +53,19 @@ class KeyframeFeatures {
   };
 
   [[nodiscard]] std::vector<FeatureObservation> observations(const std::vector<Found>& found) const;
+  [[nodiscard]] AffineFlow expected_flow_px(Timestamp stamp) const;
+  void update_flow(Timestamp stamp);
 
   Camera camera_;
   DetectorConfig detector_;
   double lens_sigma_px_;
   FeatureTracker tracker_;
   std::vector<Feature> features_;
-  std::vector<Found> found_;  // in the last image
+  std::vector<Found> found_;     // in the last image
+  std::vector<Found> previous_;  // in the image before
+  AffineFlow flow_px_;           // of the last interval
+  double interval_s_ = 0;
+  Timestamp last_;
   std::int64_t next_track_id_ = 0;
 };
 

@@ -100,6 +100,28 @@ TEST(FeatureTracker, TracksSmallMotion) {
   }
 }
 
+// Faster than the pyramid reaches; the image moves on as in the interval before.
+TEST(FeatureTracker, FindsFastMotionFromTheExpectedFlow) {
+  const cv::Mat reference = analytic_frame(kImageSize, Eigen::Affine2d::Identity());
+  const Eigen::Affine2d motion = motion_about_centre(0.05, 1, {70, 30});
+  const cv::Mat current = analytic_frame(kImageSize, motion);
+  FeatureTracker tracker({.search = false});
+  const auto accurate_count = [&](const AffineFlow& expected_px) {
+    constexpr double kMaxError_px = 0.1;
+    tracker.set_reference(reference, corners(reference));
+    const FeatureTracks& tracks = tracker.track(current, {}, expected_px);
+    int count = 0;
+    for (std::size_t i = 0; i < tracks.found.size(); ++i) {
+      const Eigen::Vector2d truth = motion * tracks.reference_px[i].cast<double>();
+      const double error_px = (tracks.current_px[i].cast<double>() - truth).norm();
+      count += tracks.found[i] != 0 && error_px < kMaxError_px;
+    }
+    return count;
+  };
+  EXPECT_LT(accurate_count({}), 10);
+  EXPECT_GT(accurate_count({.origin_px = {200, 150}, .offset_px = {66, 33}}), 60);
+}
+
 // Normalized squared error e^T C^-1 e per coordinate, mean over the features; 1 if consistent.
 double chi_square(const FeatureTracks& tracks, const Eigen::Affine2d& motion) {
   double sum = 0;
