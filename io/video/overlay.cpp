@@ -183,10 +183,11 @@ void write_footer(OverlayCanvas& canvas, const NavigationEstimate& estimate, dou
 
 }  // namespace
 
-Overlay::Overlay(const Camera& camera, const RigidTransform& body_from_camera)
-    : camera_(camera), body_from_camera_(body_from_camera) {
-  constexpr int kMinWidth_px = 900;
-  zoom_ = std::max(1, (kMinWidth_px + camera.width_px - 1) / camera.width_px);
+Overlay::Overlay(const Camera& camera, const RigidTransform& body_from_camera, OverlayText text)
+    : camera_(camera), body_from_camera_(body_from_camera), text_(text) {
+  // legible text needs 900 px, lines alone 400
+  const int min_width_px = text == OverlayText::figures ? 900 : 400;
+  zoom_ = std::max(1, (min_width_px + camera.width_px - 1) / camera.width_px);
   size_ = {camera.width_px * zoom_ / 2 * 2, camera.height_px * zoom_ / 2 * 2};
 }
 
@@ -217,6 +218,7 @@ const cv::Mat& Overlay::draw(const cv::Mat& grey, const NavigationEstimate& esti
   if (max_speed_m_s_ > 0) {
     draw_velocity(canvas, camera_, zoom_, velocity, round_up(max_speed_m_s_));
   }
+  if (text_ == OverlayText::none) return image_;
   write_figures(canvas, estimate);
   write_footer(canvas, estimate, flow_px, gain);
   return image_;

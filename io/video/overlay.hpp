@@ -10,12 +10,16 @@
 
 namespace stillkite {
 
+/// Text drawn on the image: verdict and numbers, or none.
+enum class OverlayText { figures, none };
+
 /// Overlay of a video: flow vectors (thin arrows; outliers red), image-plane velocity (thick
 /// arrow), focus of expansion (winged ring), horizon, nadir, verdict and numbers. One object per
 /// video: it reuses its buffer and scales the velocity arrow by the maximum speed so far.
 class Overlay {
  public:
-  Overlay(const Camera& camera, const RigidTransform& body_from_camera);
+  Overlay(const Camera& camera, const RigidTransform& body_from_camera,
+          OverlayText text = OverlayText::figures);
 
   /// Size of the drawn images: even; small frames are enlarged by an integer factor.
   [[nodiscard]] cv::Size size() const { return size_; }
@@ -30,6 +34,7 @@ class Overlay {
 
   Camera camera_;
   RigidTransform body_from_camera_;
+  OverlayText text_;
   int zoom_;
   cv::Size size_;
   cv::Mat image_;
