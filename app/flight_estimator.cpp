@@ -211,6 +211,10 @@ PilotStep FlightEstimator::step(const Frame& frame, Timestamp decision) {
   return step;
 }
 
+std::vector<WeightedFlow> FlightEstimator::flow_vectors() const {
+  return pilot_ ? pilot_->flow_vectors() : std::vector<WeightedFlow>();
+}
+
 void FlightEstimator::discard_before(Timestamp oldest) {
   discard(sensors_.imu, oldest);
   discard(sensors_.angular_rate_in_body_rad_s, oldest);

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/fly_config.hpp"
 #include "io/dataset/flight_inputs.hpp"
@@ -11,6 +12,7 @@
 #include "live/tether/station_lines.hpp"
 #include "navigation/hover_pilot.hpp"
 #include "navigation/pilot_step.hpp"
+#include "navigation/weighted_flow.hpp"
 
 namespace stillkite {
 
@@ -39,6 +41,9 @@ class FlightEstimator {
   /// `decision`. The first frame sets the initial state. Throws InputError on an invalid
   /// calibration or initial state.
   [[nodiscard]] PilotStep step(const Frame& frame, Timestamp decision);
+
+  /// Of the last frame, for drawing; empty before the first.
+  [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;
 
   [[nodiscard]] bool has_tether() const { return config_.live.tether.port.has_value(); }
   [[nodiscard]] const CommandGate& gate() const { return gate_; }

@@ -78,6 +78,8 @@ struct LiveConfig {
   MavlinkOutputConfig send;
   TetherConfig tether;
   std::optional<std::string> operator_source;
+  std::optional<std::string> listen;
+  std::optional<std::string> public_host;
 
   static void fields(auto& self, auto&& field) {
     field("json", self.json, "estimates as JSON lines: - (standard output) or udp://HOST:PORT");
@@ -89,6 +91,11 @@ struct LiveConfig {
     field("tether", self.tether, "ground station of a tethered drone");
     field("operator", self.operator_source,
           "operator commands as JSON lines: - (standard input) or unix:PATH (datagrams)");
+    field("listen", self.listen,
+          "operator's page: HOST:PORT, for example 127.0.0.1:8080; other hosts need a token in "
+          "STILLKITE_PAGE_TOKEN");
+    field("public_host", self.public_host,
+          "operator's page: host name of a reverse proxy; needs a token");
   }
 };
 
