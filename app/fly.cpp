@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <ctime>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <thread>
@@ -15,9 +16,11 @@
 #include "app/autopilot_output.hpp"
 #include "app/commands.hpp"
 #include "app/flight_estimator.hpp"
+#include "app/flight_page.hpp"
 #include "app/interrupt.hpp"
 #include "app/json_output.hpp"
 #include "app/latency_histogram.hpp"
+#include "app/message_log.hpp"
 #include "app/options.hpp"
 #include "app/results_folder.hpp"
 #include "app/tether_control.hpp"
@@ -43,10 +46,6 @@ struct FlyArguments {
   fs::path out;
   bool print = false;
 };
-
-void report(const std::string& message) {
-  std::fputs(fmt::format("stillkite: {}\n", message).c_str(), stderr);
-}
 
 fs::path flight_folder(const FlyArguments& arguments) {
   if (!arguments.out.empty()) return arguments.out;
@@ -87,6 +86,7 @@ class Flight {
   Flight(const FlyConfig& config, const StreamConfig& source, const fs::path& folder)
       : tether_(make_tether(config.live)),
         estimator_(config),
+        page_(make_page(config.live)),
         luma_(std::make_shared<LumaExtractor>("source.path", std::nullopt)) {
     const LiveConfig& live = config.live;
     if (live.json) json_.emplace(*live.json);
@@ -108,7 +108,7 @@ class Flight {
         [luma = luma_](const AVFrame& image, cv::Mat recycled) {
           return luma->extract(image, std::move(recycled));
         },
-        report, &*record_);
+        reporter(), &*record_);
   }
 
   // Estimates until the end of the input or Ctrl-C.
@@ -126,6 +126,7 @@ class Flight {
       }
       report_silence();
       report_record_failure();
+      if (page_) page_->publish(status());
     }
     if (capture_->failure()) std::rethrow_exception(capture_->failure());
   }
@@ -154,8 +155,22 @@ class Flight {
   }
 
  private:
-  static std::unique_ptr<TetherControl> make_tether(const LiveConfig& live) {
-    return live.tether.port ? std::make_unique<TetherControl>(live, report) : nullptr;
+  std::unique_ptr<TetherControl> make_tether(const LiveConfig& live) {
+    return live.tether.port ? std::make_unique<TetherControl>(live, reporter()) : nullptr;
+  }
+
+  std::unique_ptr<FlightPage> make_page(const LiveConfig& live) {
+    OperatorQueue* operators = tether_ ? &tether_->operators() : nullptr;
+    return live.listen ? std::make_unique<FlightPage>(live, operators, log_, reporter()) : nullptr;
+  }
+
+  // To standard error and to the page; called on any thread.
+  void report(const std::string& message) {
+    std::fputs(fmt::format("stillkite: {}\n", message).c_str(), stderr);
+    log_.add(local_now(), message);
+  }
+  std::function<void(const std::string&)> reporter() {
+    return [this](const std::string& message) { report(message); };
   }
 
   void receive_messages() {
@@ -222,9 +237,32 @@ class Flight {
       autopilot_->send(estimate, inputs.body_from_camera, inputs.camera.focal_x_px);
     }
     send_json(estimate);
-    latency_.add(1e3 * seconds_between(captured.arrival, local_now()));
+    const Timestamp now = local_now();
+    const double latency_s = seconds_between(captured.arrival, now);
+    latency_.add(1e3 * latency_s);
     record_->add_estimate(estimates_csv_row(estimate));
     ++used_;
+    if (!page_) return;
+    page_->publish({.step = result,
+                    .grey = frame.grey,
+                    .flow_vectors = page_->is_watched() ? estimator_.flow_vectors()
+                                                        : std::vector<WeightedFlow>(),
+                    .camera = inputs.camera,
+                    .body_from_camera = inputs.body_from_camera,
+                    .estimated = now,
+                    .latency_s = latency_s},
+                   status());
+  }
+
+  [[nodiscard]] FlightStatus status() const {
+    const CommandGate& gate = estimator_.gate();
+    return {.has_station = tether_ != nullptr,
+            .is_supervised = !tether_ || tether_->is_supervised(),
+            .is_engaged = gate.is_engaged(),
+            .is_stopped = gate.is_stopped(),
+            .is_waiting_for_telemetry = has_reported_wait_ && used_ == 0,
+            .images = capture_->counts(),
+            .used_images = used_};
   }
 
   // Without a reader of the lines the flight continues only for the autopilot.
@@ -243,8 +281,10 @@ class Flight {
     }
   }
 
-  std::unique_ptr<TetherControl> tether_;  // first: forks before any thread starts
+  MessageLog log_;
+  std::unique_ptr<TetherControl> tether_;  // forks before any thread starts
   FlightEstimator estimator_;
+  std::unique_ptr<FlightPage> page_;  // before the record: a page that cannot start leaves none
   std::shared_ptr<LumaExtractor> luma_;
   std::optional<JsonOutput> json_;
   std::optional<AutopilotLink> link_;
@@ -278,8 +318,10 @@ void fly(const FlyArguments& arguments) {
           "source.path: standard input has no video; expected MPEG-TS, MJPEG or H.264");
     }
   }
-  if (has_estimates)
-    report(fmt::format("record: {0}; its estimates again: stillkite run {0}", folder.string()));
+  if (has_estimates) {
+    fmt::print(stderr, "stillkite: record: {0}; its estimates again: stillkite run {0}\n",
+               folder.string());
+  }
   if (interrupted()) throw Interrupted{};
 }
 
@@ -288,7 +330,8 @@ void fly(const FlyArguments& arguments) {
 void add_fly(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "fly",
-      "Estimate the motion from a live video; telemetry, MAVLink output, tethered position hold");
+      "Estimate the motion from a live video; telemetry, MAVLink output, tethered position hold, "
+      "operator's page");
   const auto arguments = std::make_shared<FlyArguments>();
   command->add_option("config", arguments->config, "YAML file (default: default values)");
   add_overrides(*command, arguments->overrides);
@@ -301,7 +344,8 @@ void add_fly(CLI::App& app) {
       "Keys with default and description: stillkite fly --print > flight.yaml\n"
       "Records video, telemetry, estimates and commands; stillkite run DIR computes them again.\n"
       "Example: stillkite fly flight.yaml --set source.path=udp://127.0.0.1:5600 --set "
-      "live.json=-");
+      "live.json=-\n"
+      "Operator's page: --set live.listen=127.0.0.1:8080, then http://127.0.0.1:8080 in a browser");
   command->callback([arguments] { fly(*arguments); });
 }
 

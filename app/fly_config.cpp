@@ -6,6 +6,7 @@
 
 #include "io/config/config_binding.hpp"
 #include "io/text_file.hpp"
+#include "live/page/page_address.hpp"
 #include "live/tether/command_lines.hpp"
 
 namespace stillkite {
@@ -60,6 +61,14 @@ void check_tether(const FlyConfig& config) {
   check_rate(limits.yaw_rate_rad_s, kStationYawRate_rad_s, "yaw_rate_rad_s");
 }
 
+void check_page(const LiveConfig& live) {
+  if (live.listen) {
+    static_cast<void>(parse_page_address(*live.listen));
+  } else if (live.public_host) {
+    throw InputError("live.public_host needs the page; set live.listen");
+  }
+}
+
 void check_origin(const std::array<double, 3>& origin) {
   const auto& [latitude_deg, longitude_deg, altitude_m] = origin;
   constexpr double kMaxAltitude_m = 1e5;
@@ -85,6 +94,7 @@ FlyConfig load_fly_config(const std::optional<std::filesystem::path>& file,
   }
   check_estimator(config);
   check_tether(config);
+  check_page(config.live);
   if (config.live.send.origin) check_origin(*config.live.send.origin);
   return config;
 }

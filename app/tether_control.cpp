@@ -98,8 +98,9 @@ void TetherControl::receive_operators(FlightEstimator& estimator, FlightRecord& 
                         .source = MessageSource::operator_command});
     ++recorded_;
     const auto refusal = estimator.receive(command);
-    report_(fmt::format("operator: {}{}", operator_line(command),
-                        refusal ? " refused: " + *refusal : ""));
+    const std::string text =
+        command.note.empty() ? std::string(name_of(command.action)) : operator_line(command);
+    report_(fmt::format("operator: {}{}", text, refusal ? " refused: " + *refusal : ""));
     if (command.action == OperatorAction::hold_here) awaits_setpoint_ = !refusal;
   }
 }

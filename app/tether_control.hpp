@@ -34,6 +34,8 @@ class TetherControl {
   /// Sends the command of an image and records it.
   void send(const PilotStep& step, const FlightEstimator& estimator, FlightRecord& record);
 
+  [[nodiscard]] bool is_supervised() const { return link_.is_supervised(); }
+
   /// Queue of further front ends.
   [[nodiscard]] OperatorQueue& operators() { return operators_; }
 

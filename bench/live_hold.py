@@ -45,15 +45,15 @@ def hover_arguments(axis, policy, further):
 
 
 class Flight:
-    """Simulated drone and `stillkite fly` in a folder."""
+    """Simulated drone and `stillkite fly` in a folder; `fly`: its further arguments."""
 
-    def __init__(self, stillkite, hover, folder):
+    def __init__(self, stillkite, hover, folder, fly=()):
         self.drone, self.record, self.messages = folder / "drone", folder / "flight", folder / "messages"
         self.simulation = subprocess.Popen([stillkite, "hover", *hover, "--serve", self.drone],
                                            stdout=subprocess.DEVNULL)
         wait_for((self.drone / "flight.yaml").exists, "the simulated drone")
         with open(self.messages, "w") as messages:
-            self.flight = subprocess.Popen([stillkite, "fly", self.drone / "flight.yaml", "--out", self.record],
+            self.flight = subprocess.Popen([stillkite, "fly", self.drone / "flight.yaml", "--out", self.record, *fly],
                                            stdout=subprocess.DEVNULL, stderr=messages)
         estimates = self.record / "estimates.csv"
         wait_for(lambda: estimates.exists() and len(rows(estimates)) > 60, "an estimate")

@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""Closed loop through the wires: `stillkite fly` holds the drone of `stillkite hover --serve`, the
-record reproduces estimates and commands, and `kill -9` of `fly` sets zero rates.
+"""Closed loop through the wires: `stillkite fly` holds the drone of `stillkite hover --serve`, engaged
+on the operator's page, the record reproduces estimates and commands, and `kill -9` of `fly` sets zero
+rates.
 
 usage: live_hold_test.py STILLKITE OUT
 """
 
 import importlib.util
+import json
 import pathlib
 import shutil
 import sys
 import time
+import urllib.request
 
 stillkite, out = sys.argv[1], pathlib.Path(sys.argv[2])
 bench = pathlib.Path(__file__).resolve().parent.parent.parent / "bench/live_hold.py"
@@ -26,12 +29,25 @@ def trial(name, port, reach_m):
     folder.mkdir()
     further = ["--set", f"plant.station.level_reach_m={reach_m}", "--set", f"serve.video_port={port}",
                "--set", f"serve.mavlink_port={port + 1}"]
-    return live_hold.Flight(stillkite, live_hold.hover_arguments("x", "fused", further), folder)
+    return live_hold.Flight(stillkite, live_hold.hover_arguments("x", "fused", further), folder,
+                            ["--set", f"live.listen=127.0.0.1:{port + 2}"])
+
+
+def page(port, path, body=None):
+    """Answer of the operator's page to GET, or to POST with a body."""
+    request = urllib.request.Request(f"http://127.0.0.1:{port + 2}{path}", data=body,
+                                     headers={"X-Operator": 32 * "0"})
+    with urllib.request.urlopen(request, timeout=5) as answer:
+        return answer.read()
 
 
 # The station moves by 0.5 m: without control the mean displacement is 0.25 m.
 held = trial("held", 38641, 0.5)
-held.command("engage")
+page(38641, "/take_control", b"")
+page(38641, "/command", b'{"command": "engage"}')
+time.sleep(1)
+assert json.loads(page(38641, "/state"))["flight"]["control"]["engaged"], held.messages.read_text()
+assert page(38641, "/image").startswith(b"\xff\xd8"), "no JPEG"
 mean_m = held.finish()["trials"][0]["mean_m"]
 assert mean_m < 0.1, f"mean displacement {mean_m} m\n{held.messages.read_text()}"
 assert live_hold.is_reproduced(stillkite, held.record, out / "again"), "the record differs"
