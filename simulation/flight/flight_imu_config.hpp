@@ -10,11 +10,14 @@ namespace stillkite {
 struct FlightImuConfig : ImuConfig {
   double gap_s = 0;
   double gap_every_s = 10;
+  bool removes_gravity = false;
 
   static void fields(auto& self, auto&& field) {
     ImuConfig::fields(self, field);
     field("gap_s", self.gap_s, kNonNegative, "length of a gap in the readings; 0: no gaps");
     field("gap_every_s", self.gap_every_s, kPositive, "time from one gap's begin to the next's");
+    field("removes_gravity", self.removes_gravity,
+          "true: acceleration of the body instead of specific force, as after a device's filter");
   }
 
   /// Gaps begin at the multiples of `gap_every_s` above 0.

@@ -53,7 +53,14 @@ std::vector<ImuReading> recorded_imu(const SimulationConfig& config, const Traje
   std::erase_if(readings, [&](const ImuReading& reading) {
     return config.imu.is_in_gap(to_seconds(reading.stamp));
   });
-  for (ImuReading& reading : readings) reading.stamp = imu_stamp(config.clock, reading.stamp);
+  for (ImuReading& reading : readings) {
+    if (config.imu.removes_gravity) {
+      const MotionState state = trajectory.at(to_seconds(reading.stamp));
+      reading.specific_force_in_body_m_s2 +=
+          state.world_from_body.rotation.conjugate() * gravity_in_world_m_s2();
+    }
+    reading.stamp = imu_stamp(config.clock, reading.stamp);
+  }
   return readings;
 }
 

@@ -217,6 +217,25 @@ TEST(RecordFlight, GapsRemoveImuReadingsOnly) {
   EXPECT_EQ(all.size() - kept.size(), 21u);
 }
 
+// The same errors; specific force = acceleration - gravity in the body's axes.
+TEST(RecordFlight, RemovesGravityFromSpecificForce) {
+  SimulationConfig config = small_flight();
+  config.flight.tilt_sway_deg = 10;
+  const FlightRecord measured = record_flight(config);
+  config.imu.removes_gravity = true;
+  const std::vector<ImuReading> removed = record_flight(config).imu;
+  ASSERT_EQ(removed.size(), measured.imu.size());
+  for (const StampedState& truth : measured.truth) {
+    const std::size_t k = static_cast<std::size_t>(200 * to_seconds(truth.stamp) + 0.5);
+    ASSERT_EQ(removed[k].stamp, truth.stamp);
+    const Eigen::Vector3d difference =
+        measured.imu[k].specific_force_in_body_m_s2 - removed[k].specific_force_in_body_m_s2;
+    EXPECT_LT((truth.state.world_from_body.rotation * difference + gravity_in_world_m_s2()).norm(),
+              1e-9);
+    EXPECT_EQ(removed[k].angular_rate_in_body_rad_s, measured.imu[k].angular_rate_in_body_rad_s);
+  }
+}
+
 // Full well 10000 electrons, 2 % light, amplifier 8: grey 120 gives 94.1 electrons of 0.204 grey.
 TEST(FlightCamera, NightHasPhotonNoise) {
   FlightCameraConfig camera;
