@@ -31,6 +31,11 @@ std::string message_of(const InertialFinding& finding, const RunConfig& config) 
           "imu: the images require an accelerometer bias of ({:.2f}, {:.2f}, {:.2f}) m/s^2, which "
           "no intact sensor has; check its axes (imu.rotation_wxyz), scale and calibration",
           value.x(), value.y(), value.z());
+    case InertialFault::axes:
+      return fmt::format(
+          "imu: the images require a camera that is rotated by {:.0f} degrees from its calibration "
+          "relative to the IMU; check the IMU's axes (imu.rotation_wxyz) and the mount",
+          finding.change.norm() / kDegree);
     case InertialFault::contradiction:
       return "imu: no motion explains images and IMU; check the IMU's axes (imu.rotation_wxyz), "
              "the "

@@ -10,6 +10,7 @@ enum class InertialFault {
   camera_rotation,  ///< relative to the IMU
   lever_arm,        ///< camera's position in the IMU's axes
   accelerometer,    ///< bias beyond the prior: scale, axes, units or a damaged sensor
+  axes,             ///< camera rotation beyond its prior: axes of the IMU, or the mount
   contradiction,    ///< no motion explains both images and IMU
 };
 

@@ -51,7 +51,30 @@ void add_extrinsics(const SlidingWindow& window, std::vector<InertialFinding>& o
 }  // namespace
 
 bool contradicts_prior(const InertialState& state, const InertialPriors& priors) {
-  return accel_bias_deviation(state, priors) > kFiveSigma3;
+  return accel_bias_deviation(state, priors) > kMaxPriorDeviation;
+}
+
+std::optional<InertialFinding> prior_contradiction(const SlidingWindow& window) {
+  if (!window.is_initialized()) return std::nullopt;
+  const InertialPriors& priors = window.priors();
+  if (contradicts_prior(window.state(), priors)) {
+    const Eigen::Vector3d& bias_m_s2 = window.state().accel_bias_m_s2;
+    const auto variance = window.covariance().diagonal().segment<3>(InertialIndex::kAccelBias);
+    return InertialFinding{.fault = InertialFault::accelerometer,
+                           .value = bias_m_s2,
+                           .change = bias_m_s2,
+                           .sigma = variance.cwiseSqrt()};
+  }
+  if (camera_rotation_deviation(window.window(), priors) > kMaxPriorDeviation) {
+    const CameraExtrinsics& estimate = window.extrinsics();
+    return InertialFinding{
+        .fault = InertialFault::axes,
+        .value = so3_log(estimate.imu_from_camera.rotation),
+        .change =
+            minus(estimate, window.window().calibrated).segment<3>(ExtrinsicsIndex::kRotation),
+        .sigma = Eigen::Vector3d::Constant(priors.camera_rotation_rad)};
+  }
+  return std::nullopt;
 }
 
 std::vector<InertialFinding> inertial_findings(const SlidingWindow& window) {

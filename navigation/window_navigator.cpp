@@ -137,15 +137,11 @@ Verdict WindowNavigator::verdict(const FrameInterval& interval) const {
   return is_explained ? Verdict::ok : Verdict::too_few_inliers;
 }
 
-// A bias that its prior excludes is no bias, but what no motion explains.
+// A bias or a camera rotation that its prior excludes is none, but axes, scale or units.
 void WindowNavigator::restart_if_contradictory(Timestamp stamp) {
-  if (!window_.is_initialized() || !contradicts_prior(window_.state(), window_.priors())) return;
-  const int group = InertialIndex::kAccelBias;
-  const Eigen::Vector3d& bias_m_s2 = window_.state().accel_bias_m_s2;
-  contradiction_ = {.fault = InertialFault::accelerometer,
-                    .value = bias_m_s2,
-                    .change = bias_m_s2,
-                    .sigma = window_.covariance().diagonal().segment<3>(group).cwiseSqrt()};
+  const std::optional<InertialFinding> contradiction = prior_contradiction(window_);
+  if (!contradiction) return;
+  contradiction_ = contradiction;
   const double moved_m2 =
       (window_.state().world_from_imu.translation - initial_position_m_).squaredNorm();
   restart(stamp);

@@ -51,7 +51,7 @@ class WindowNavigator {
   KeyframeFeatures features_;
   SlidingWindow window_;
   std::vector<FeatureObservation> previous_features_;
-  std::optional<InertialFinding> contradiction_;  // of the accelerometer, the latest
+  std::optional<InertialFinding> contradiction_;  // with a prior, the latest
   Eigen::Quaterniond world_from_keyframe_;        // camera
   Eigen::Vector3d initial_position_m_ = Eigen::Vector3d::Zero();
   Timestamp imu_known_until_;

@@ -12,4 +12,8 @@ struct InertialPriors {
   double time_offset_s = 0.03;
 };
 
+/// Squared deviation of three variables from their priors, in variances, beyond which these are
+/// contradicted: 5 sigma.
+inline constexpr double kMaxPriorDeviation = 31.8;
+
 }  // namespace stillkite

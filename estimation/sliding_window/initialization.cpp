@@ -129,6 +129,11 @@ void set_initial_prior(Window& window, const InertialPriors& priors,
   if (rest) add_rest(*rest, first, at, prior);
 }
 
+double camera_rotation_deviation(const Window& window, const InertialPriors& priors) {
+  const ExtrinsicsError change = minus(window.extrinsics, window.calibrated);
+  return (change.segment<3>(ExtrinsicsIndex::kRotation) / priors.camera_rotation_rad).squaredNorm();
+}
+
 double accel_bias_deviation(const InertialState& state, const InertialPriors& priors) {
   return (state.accel_bias_m_s2 / priors.accel_bias_m_s2).squaredNorm();
 }
@@ -188,7 +193,8 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   out.scale_sigma_ratio = scale_sigma_ratio(window);
   const bool is_explained =
       newton_decrement(window) < kMaxDecrement && out.mean_squared_error < kMaxMeanSquaredError &&
-      accel_bias_deviation(window.frames.front().state, priors) < kMaxBiasSigmas2;
+      accel_bias_deviation(window.frames.front().state, priors) < kMaxBiasSigmas2 &&
+      camera_rotation_deviation(window, priors) < kMaxPriorDeviation;
   const bool is_observable = out.scale_sigma_ratio < kMaxScaleSigma_ratio;
   out.accepted = is_observable && is_explained;
   out.is_contradictory = is_observable && !is_explained;

@@ -24,7 +24,8 @@ struct Initialization {
 
 /// Sets all states, points and the prior. `world_from_first`: pose of the first frame's IMU, of
 /// which gravity corrects roll and pitch. Accepted if the estimation converged, the scale is
-/// known to 10 %, the points explain the images and the accelerometer bias agrees with its prior;
+/// known to 10 %, the points explain the images, and the accelerometer bias (99 %) and the camera's
+/// rotation relative to the IMU (5 sigma) agree with their priors;
 /// otherwise only the values have changed, and more frames are needed.
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
                                     const InertialPriors& priors);
@@ -49,6 +50,9 @@ void initialize_at_rest(Window& window, const InitialRest& rest);
 
 /// Squared deviation of the accelerometer bias from its prior, in variances.
 [[nodiscard]] double accel_bias_deviation(const InertialState& state, const InertialPriors& priors);
+
+/// Squared deviation of the camera's rotation from its calibration, in variances of its prior.
+[[nodiscard]] double camera_rotation_deviation(const Window& window, const InertialPriors& priors);
 
 /// Prior of a first frame whose position and yaw define the world; its biases are zero and the
 /// extrinsics calibrated, within the priors. `rest`: what the readings of a rest say in addition.

@@ -39,3 +39,13 @@ run axes "$out/axes.csv"
 message axes "accelerometer bias"
 tail -n 1 "$out/axes/estimates.csv" | grep -q ",lost" ||
   { echo "axes: the last frame is not lost"; exit 1; }
+
+# From rest, without an initialization in motion.
+rotate_about_z() {
+  awk -F, -v OFS=, 'NR > 1 { x = $2; $2 = -$3; $3 = x; x = $5; $5 = -$6; $6 = x } 1' "$log"
+}
+rotate_about_z > "$out/rotated.csv"
+run rotated "$out/rotated.csv"
+message rotated "gyroscope axes rotated by 9"
+tail -n 1 "$out/rotated/estimates.csv" | grep -q ",lost" ||
+  { echo "rotated: the last frame is not lost"; exit 1; }

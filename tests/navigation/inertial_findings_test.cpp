@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <random>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@ struct FlightFaults {
   double time_offset_s = 0;
   double lever_arm_m = 0;
   double camera_rotation_rad = 0;
+  double camera_roll_rad = 0;  // about the optical axis
   bool swaps_accelerometer_axes = false;
 };
 
@@ -30,7 +32,8 @@ std::vector<InertialFinding> findings_of(const FlightFaults& faults, double dura
   SlidingWindow window(motion.extrinsics, motion.state(0).world_from_imu, noise, InertialPriors{});
   RigidTransform& mount = motion.extrinsics.imu_from_camera;
   mount.translation.y() += faults.lever_arm_m;
-  mount.rotation = mount.rotation * so3_exp({faults.camera_rotation_rad, 0, 0});
+  mount.rotation =
+      mount.rotation * so3_exp({faults.camera_rotation_rad, 0, faults.camera_roll_rad});
   double imu_s = 0;
   for (int frame = 0; kFrame_s * frame < duration_s; ++frame) {
     const double t_s = kFrame_s * frame;
@@ -75,6 +78,13 @@ TEST(InertialFindings, NamesTheRotationOfTheCamera) {
 // Until the accelerometer's bias contradicts its prior, or no motion is found.
 TEST(InertialFindings, NamesAContradiction) {
   const auto findings = findings_of({.swaps_accelerometer_axes = true}, 3);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].fault, InertialFault::contradiction);
+}
+
+// All points fit with a camera that is rotated by 90 degrees: the axes of the IMU are wrong.
+TEST(InertialFindings, RotationBeyondItsPriorIsAContradiction) {
+  const auto findings = findings_of({.camera_roll_rad = 0.5 * std::numbers::pi});
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].fault, InertialFault::contradiction);
 }
