@@ -180,13 +180,21 @@ void report_input_warnings(std::span<const EstimatorRun> runs) {
 }
 
 void report_inconsistencies(const EstimatorRun& run) {
-  if (const auto inconsistency = gyro_inconsistency(run.inputs().sensors.angular_rate_in_body_rad_s,
-                                                    run.record().rotations)) {
+  const std::vector<InertialFinding> findings = run.inertial_findings();
+  // the window's estimate of the clock is the more accurate one
+  const bool is_clock_known = std::ranges::any_of(findings, [](const InertialFinding& finding) {
+    return finding.fault == InertialFault::clock;
+  });
+  const auto inconsistency =
+      is_clock_known ? std::nullopt
+                     : gyro_inconsistency(run.inputs().sensors.angular_rate_in_body_rad_s,
+                                          run.record().rotations);
+  if (inconsistency) {
     fmt::print(stderr, "stillkite: {}: {}\n", run.config().imu.path ? "imu.path" : "gyro.path",
                *inconsistency);
     return;
   }
-  for (const std::string& message : inertial_messages(run.inertial_findings(), run.config())) {
+  for (const std::string& message : inertial_messages(findings, run.config())) {
     fmt::print(stderr, "stillkite: {}\n", message);
   }
   report_initial_attitude_error(run);
