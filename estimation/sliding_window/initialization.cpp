@@ -59,6 +59,19 @@ void set_states(const LinearAlignment& alignment, const RigidTransform& world_fr
   }
 }
 
+// Moves the window so that its first frame has this position and yaw.
+void move_first_frame(const RigidTransform& world_from_first, Window& window) {
+  const RigidTransform before = window.frames.front().state.world_from_imu;
+  const Eigen::Quaterniond change = world_from_first.rotation * before.rotation.conjugate();
+  const Eigen::Quaterniond yaw = so3_exp({0, 0, 2 * std::atan2(change.z(), change.w())});
+  for (WindowFrame& frame : window.frames) {
+    RigidTransform& pose = frame.state.world_from_imu;
+    pose = {(yaw * pose.rotation).normalized(),
+            world_from_first.translation + yaw * (pose.translation - before.translation)};
+    frame.state.velocity_in_world_m_s = yaw * frame.state.velocity_in_world_m_s;
+  }
+}
+
 // Zero velocity by the images; gyroscope bias and gravity by the mean readings.
 void add_rest(const InitialRest& rest, const WindowFrame& frame, int at, MarginalPrior& prior) {
   const ImuNoise& noise = frame.imu.noise();
@@ -112,6 +125,8 @@ void set_initial_prior(Window& window, const InertialPriors& priors,
       diagonal.head<ExtrinsicsIndex::kSize>().cwiseProduct(
           minus(window.calibrated, window.first_extrinsics));
   WindowFrame& first = window.frames.front();
+  // a new clock offset has moved its state along the motion
+  if (first.first_estimate) move_first_frame(first.first_estimate->world_from_imu, window);
   first.first_estimate = first.state;
   const int at = offsets.front();
   const Eigen::Vector3d up =

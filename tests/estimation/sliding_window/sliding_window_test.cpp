@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hand_held_motion.hpp"
+#include "true_window.hpp"
 
 namespace stillkite {
 namespace {
@@ -115,6 +116,24 @@ TEST(SlidingWindow, CovarianceIsConsistent) {
   const Eigen::Matrix<double, 5, 1> mean = sum / count;
   EXPECT_LT(mean.maxCoeff(), 6) << mean.transpose();
   EXPECT_GT(mean.minCoeff(), 0.5) << mean.transpose();
+}
+
+// A new clock offset moves the states by velocity and angular rate.
+TEST(InitialPrior, KeepsPositionAndYawOfTheFirstFrame) {
+  Window window = true_window();
+  const auto pose = [&](std::size_t frame) { return window.frames[frame].state.world_from_imu; };
+  set_initial_prior(window, {});
+  const RigidTransform before = pose(0);
+  window.extrinsics.time_offset_s += 0.02;
+  linearize_at_present_extrinsics(window);
+  const RigidTransform last_from_first = pose(3).inverse() * pose(0);
+  ASSERT_GT((pose(0).translation - before.translation).norm(), 5e-3);
+  set_initial_prior(window, {});
+  EXPECT_LT((pose(0).translation - before.translation).norm(), 1e-12);
+  EXPECT_NEAR((pose(0).rotation * before.rotation.conjugate()).z(), 0, 1e-12);
+  const RigidTransform after = pose(3).inverse() * pose(0);
+  EXPECT_LT((after.translation - last_from_first.translation).norm(), 1e-12);
+  EXPECT_LT(angle_between_rad(after.rotation, last_from_first.rotation), 1e-7);
 }
 
 TEST(SlidingWindow, InitializesAtRestByTheImu) {
