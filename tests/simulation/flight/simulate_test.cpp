@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -226,7 +227,7 @@ TEST(RecordFlight, RemovesGravityFromSpecificForce) {
   const std::vector<ImuReading> removed = record_flight(config).imu;
   ASSERT_EQ(removed.size(), measured.imu.size());
   for (const StampedState& truth : measured.truth) {
-    const std::size_t k = static_cast<std::size_t>(200 * to_seconds(truth.stamp) + 0.5);
+    const std::size_t k = static_cast<std::size_t>(std::lround(200 * to_seconds(truth.stamp)));
     ASSERT_EQ(removed[k].stamp, truth.stamp);
     const Eigen::Vector3d difference =
         measured.imu[k].specific_force_in_body_m_s2 - removed[k].specific_force_in_body_m_s2;
