@@ -69,6 +69,27 @@ std::vector<cv::Point2f> detect_features(const cv::Mat& grey, const DetectorConf
   return points_px;
 }
 
+std::vector<cv::Point2f> detect_features_in_half_size(const cv::Mat& grey,
+                                                      const DetectorConfig& config,
+                                                      const std::vector<cv::Point2f>& tracked_px,
+                                                      const cv::Mat& mask) {
+  const auto halved = [](const cv::Mat& image) {
+    cv::Mat half;
+    if (!image.empty()) cv::resize(image, half, {}, 0.5, 0.5, cv::INTER_AREA);
+    return half;
+  };
+  // pixel centres are at whole numbers
+  const cv::Point2f offset_px(0.5F, 0.5F);
+  std::vector<cv::Point2f> tracked_half_px;
+  for (const cv::Point2f& at : tracked_px) tracked_half_px.push_back(0.5F * (at - offset_px));
+  DetectorConfig half_config = config;
+  half_config.min_distance_px *= 0.5;
+  std::vector<cv::Point2f> points_px =
+      detect_features(halved(grey), half_config, tracked_half_px, halved(mask));
+  for (cv::Point2f& at : points_px) at = 2 * at + offset_px;
+  return points_px;
+}
+
 void FeatureMatcher::set_reference(const cv::Mat& grey) {
   DescribedFeatures described = describe_features(grey, config_);
   points_px_ = std::move(described.points_px);

@@ -14,6 +14,12 @@ namespace stillkite {
     const cv::Mat& grey, const DetectorConfig& config,
     const std::vector<cv::Point2f>& tracked_px = {}, const cv::Mat& mask = {});
 
+/// The same in the image of half the size, at a quarter of the time; all arguments and the result
+/// are those of the full size. Positions are multiples of two pixels, plus a half.
+[[nodiscard]] std::vector<cv::Point2f> detect_features_in_half_size(
+    const cv::Mat& grey, const DetectorConfig& config, const std::vector<cv::Point2f>& tracked_px,
+    const cv::Mat& mask = {});
+
 /// Positions of corresponding features in two images.
 struct FeatureMatches {
   std::vector<cv::Point2f> reference_px;

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
@@ -14,8 +13,6 @@ namespace stillkite {
 namespace {
 
 constexpr int kFeatures = 200;
-// Features are detected in an image of half the size.
-constexpr float kDetectionScale = 0.5F;
 
 // Errors of a patch are 1 to 1.6 standard deviations of its covariance (FeatureTracks).
 constexpr double kMaxErrorSigmas = 1.6;
@@ -28,30 +25,8 @@ DetectorConfig spread_detector(const Camera& camera) {
   DetectorConfig config;
   config.max_features = kFeatures;
   config.min_distance_px =
-      kDetectionScale *
       std::sqrt(camera.width_px * static_cast<double>(camera.height_px) / kFeatures) * 2 / 3;
   return config;
-}
-
-// Features of an image that are not near the known ones.
-std::vector<cv::Point2f> detect_new_features(const Frame& frame, const DetectorConfig& detector,
-                                             const std::vector<cv::Point2f>& known_px) {
-  const auto resized = [](const cv::Mat& image) {
-    cv::Mat out;
-    cv::resize(image, out, {}, kDetectionScale, kDetectionScale, cv::INTER_AREA);
-    return out;
-  };
-  const auto scaled = [](std::vector<cv::Point2f> points_px, float scale) {
-    // pixel centres are at whole numbers
-    for (cv::Point2f& at : points_px) {
-      at = scale * at + cv::Point2f(1, 1) * (0.5F * (scale - 1));
-    }
-    return points_px;
-  };
-  const cv::Mat mask = frame.mask ? resized(frame.mask->valid_pixels()) : cv::Mat();
-  return scaled(
-      detect_features(resized(frame.grey), detector, scaled(known_px, kDetectionScale), mask),
-      1 / kDetectionScale);
 }
 
 // As PatchAlignment::set_reference places the patch of a feature.
@@ -124,7 +99,8 @@ std::vector<FeatureObservation> KeyframeFeatures::take_keyframe(const Frame& fra
   }
   DetectorConfig detector = detector_;
   detector.max_features = std::max(20, kFeatures - static_cast<int>(found_.size()));
-  for (const cv::Point2f& point : detect_new_features(frame, detector, points_px)) {
+  for (const cv::Point2f& point : detect_features_in_half_size(
+           frame.grey, detector, points_px, frame.mask ? frame.mask->valid_pixels() : cv::Mat())) {
     points_px.push_back(point);
     const Eigen::Vector2f at_px = patch_centre_px(point);
     features.push_back({.track_id = next_track_id_++, .at_px = at_px});

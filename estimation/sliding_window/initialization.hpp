@@ -54,8 +54,9 @@ void initialize_at_rest(Window& window, const InitialRest& rest);
 /// Squared deviation of the camera's rotation from its calibration, in variances of its prior.
 [[nodiscard]] double camera_rotation_deviation(const Window& window, const InertialPriors& priors);
 
-/// Prior of a first frame whose position and yaw, once set, define the world; its biases are zero and the
-/// extrinsics calibrated, within the priors. `rest`: what the readings of a rest say in addition.
+/// Prior of a first frame whose position and yaw, once set, define the world; its biases are zero
+/// and the extrinsics calibrated, within the priors. `rest`: what the readings of a rest say in
+/// addition.
 void set_initial_prior(Window& window, const InertialPriors& priors,
                        const std::optional<InitialRest>& rest = {});
 

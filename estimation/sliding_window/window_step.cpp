@@ -8,9 +8,8 @@ namespace {
 // A step that would move a point behind the camera or onto it is far outside the linear range.
 constexpr double kMaxDepthRatio_per_step = 5;
 
-// Part of a step that is a similarity of the world about the first frame. Images do not show it, so
-// that it is large where the IMU tells little; applied additively, it would change what the images
-// show by its square.
+// Part of a step that is a similarity of the world about the first frame. Images do not show it: it
+// is large until the IMU does. Applied additively, it would change what images show by its square.
 struct StepSimilarity {
   double scale = 1;
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();

@@ -12,7 +12,7 @@
 namespace stillkite {
 namespace {
 
-const cv::Size kImage(320, 240);
+const cv::Size kFrameSize(320, 240);
 const cv::Point kText(40, 60);
 constexpr double kStep_px = 5;
 
@@ -38,7 +38,7 @@ cv::Mat camera_image(double displacement_px, const std::function<void(cv::Mat&)>
   static const cv::Mat kGround = ground();
   cv::Mat image;
   const cv::Matx23d shift(1, 0, -displacement_px, 0, 1, 0);
-  cv::warpAffine(kGround, image, shift, kImage, cv::INTER_LINEAR);
+  cv::warpAffine(kGround, image, shift, kFrameSize, cv::INTER_LINEAR);
   if (draw_overlay) draw_overlay(image);
   cv::Mat noise(image.size(), CV_16S), noisy;
   cv::RNG random(static_cast<std::uint64_t>(noise_seed) + 1);
@@ -56,7 +56,7 @@ void draw_text(cv::Mat& image) {
 
 // Mask of the text strokes.
 cv::Mat text_px() {
-  cv::Mat strokes = cv::Mat::zeros(kImage, CV_8U);
+  cv::Mat strokes = cv::Mat::zeros(kFrameSize, CV_8U);
   cv::putText(strokes, "BAT 82%", kText, cv::FONT_HERSHEY_SIMPLEX, 0.7, 255, 1, cv::LINE_8);
   return strokes;
 }
@@ -136,9 +136,9 @@ TEST(StaticOverlayDetector, IgnoresIntervalsOfUnknownDisplacement) {
 }
 
 TEST(StaticOverlayDetector, ExtendsInputMask) {
-  cv::Mat input_mask(kImage, CV_8U, cv::Scalar(255));
+  cv::Mat input_mask(kFrameSize, CV_8U, cv::Scalar(255));
   input_mask.rowRange(200, 240) = 0;
-  Frame frame{.grey = cv::Mat(kImage, CV_8U, cv::Scalar(0)),
+  Frame frame{.grey = cv::Mat(kFrameSize, CV_8U, cv::Scalar(0)),
               .mask = std::make_shared<const ImageMask>(input_mask)};
   Flight flight;
   EXPECT_EQ(flight.detector.masked(frame).mask, frame.mask);
