@@ -81,6 +81,7 @@ std::vector<cv::Point2f> detect_features_in_half_size(const cv::Mat& grey,
   // pixel centres are at whole numbers
   const cv::Point2f offset_px(0.5F, 0.5F);
   std::vector<cv::Point2f> tracked_half_px;
+  tracked_half_px.reserve(tracked_px.size());
   for (const cv::Point2f& at : tracked_px) tracked_half_px.push_back(0.5F * (at - offset_px));
   DetectorConfig half_config = config;
   half_config.min_distance_px *= 0.5;

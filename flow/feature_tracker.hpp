@@ -33,7 +33,8 @@ class FeatureTracker {
 
   /// `grey`: CV_8UC1 of the reference's size. `image_rotation_rad`: rotation since the reference, x
   /// axis towards y axis, if known; then the only hypothesis for the registration of lost features.
-  /// `expected_px`: expected flow since the previous frame. The result is valid until the next call.
+  /// `expected_px`: expected flow since the previous frame. The result is valid until the next
+  /// call.
   const FeatureTracks& track(const cv::Mat& grey, std::optional<double> image_rotation_rad = {},
                              const AffineFlow& expected_px = {});
 
