@@ -9,7 +9,6 @@ namespace stillkite {
 namespace {
 
 constexpr double kFiveSigma = 25;  // one degree of freedom
-constexpr double kFiveSigma3 = 31.8;
 
 // Differences that matter to a user.
 constexpr double kMinTimeOffset_s = 0.005;
@@ -51,7 +50,7 @@ void add_extrinsics(const SlidingWindow& window, std::vector<InertialFinding>& o
 }  // namespace
 
 bool contradicts_prior(const InertialState& state, const InertialPriors& priors) {
-  return accel_bias_deviation(state, priors) > kMaxPriorDeviation;
+  return accel_bias_deviation(state, priors) > kFiveSigma3;
 }
 
 std::optional<InertialFinding> prior_contradiction(const SlidingWindow& window) {
@@ -65,7 +64,7 @@ std::optional<InertialFinding> prior_contradiction(const SlidingWindow& window) 
                            .change = bias_m_s2,
                            .sigma = variance.cwiseSqrt()};
   }
-  if (camera_rotation_deviation(window.window(), priors) > kMaxPriorDeviation) {
+  if (camera_rotation_deviation(window.window(), priors) > kFiveSigma3) {
     const CameraExtrinsics& estimate = window.extrinsics();
     return InertialFinding{
         .fault = InertialFault::axes,

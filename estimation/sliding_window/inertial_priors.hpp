@@ -12,8 +12,8 @@ struct InertialPriors {
   double time_offset_s = 0.03;
 };
 
-/// Squared deviation of three variables from their priors, in variances, beyond which these are
-/// contradicted: 5 sigma.
-inline constexpr double kMaxPriorDeviation = 31.8;
+/// Squared deviation of three variables, in variances, beyond which they contradict their prior:
+/// the quantile of the probability of 5 sigma, three degrees of freedom.
+inline constexpr double kFiveSigma3 = 31.8;
 
 }  // namespace stillkite

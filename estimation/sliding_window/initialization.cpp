@@ -177,7 +177,7 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   // the linearization point of the first frame moves
   constexpr int kMaxRounds = 15;
   constexpr int kIterations = 4;
-  constexpr double kMinDecrease = 0.02;
+  constexpr double kMinDecrease = 0.02;  // as in optimize()
   constexpr double kMaxScaleSigma_ratio = 0.1;
   // the linear solution's is within a factor of two of it, or far above
   constexpr double kMaxLinearScaleSigma_ratio = 2 * kMaxScaleSigma_ratio;
@@ -209,7 +209,7 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   const bool is_explained =
       newton_decrement(window) < kMaxDecrement && out.mean_squared_error < kMaxMeanSquaredError &&
       accel_bias_deviation(window.frames.front().state, priors) < kMaxBiasSigmas2 &&
-      camera_rotation_deviation(window, priors) < kMaxPriorDeviation;
+      camera_rotation_deviation(window, priors) < kFiveSigma3;
   const bool is_observable = out.scale_sigma_ratio < kMaxScaleSigma_ratio;
   out.accepted = is_observable && is_explained;
   out.is_contradictory = is_observable && !is_explained;
