@@ -17,13 +17,19 @@ const CameraPair& CameraPairs::at(std::size_t host, std::size_t target) {
   return *pair;
 }
 
-double ReprojectionErrors::squared(const WindowTrack& track, const WindowObservation& observation) {
+std::optional<Eigen::Vector2d> ReprojectionErrors::residual(const WindowTrack& track,
+                                                            const WindowObservation& observation) {
   const std::size_t host = *window_.find(track.observations.front().frame_id);
   const std::size_t target = *window_.find(observation.frame_id);
   const auto seen = project_bearing(pairs_.at(host, target), *track.point);
-  if (!seen) return std::numeric_limits<double>::infinity();
-  const Eigen::Vector2d residual = observation.bearing - *seen;
-  return residual.dot(observation.information * residual);
+  if (!seen) return std::nullopt;
+  return observation.bearing - *seen;
+}
+
+double ReprojectionErrors::squared(const WindowTrack& track, const WindowObservation& observation) {
+  const auto error = residual(track, observation);
+  if (!error) return std::numeric_limits<double>::infinity();
+  return error->dot(observation.information * *error);
 }
 
 }  // namespace stillkite

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -25,12 +26,15 @@ class CameraPairs {
   std::vector<std::optional<CameraPair>> pairs_;
 };
 
-/// Squared reprojection errors over their variances.
+/// Reprojection errors of single observations.
 class ReprojectionErrors {
  public:
   explicit ReprojectionErrors(const Window& window) : window_(window), pairs_(window, false) {}
 
-  /// Infinite behind the camera.
+  /// On z = 1; empty behind the camera.
+  [[nodiscard]] std::optional<Eigen::Vector2d> residual(const WindowTrack& track,
+                                                        const WindowObservation& observation);
+  /// Squared, over its variance; infinite behind the camera.
   [[nodiscard]] double squared(const WindowTrack& track, const WindowObservation& observation);
 
  private:

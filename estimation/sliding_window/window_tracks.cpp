@@ -70,7 +70,9 @@ MeasuredPoints reject_outliers(Window& window) {
     track.observations = std::move(kept);
     if (const WindowObservation* inlier = track.in(newest)) {
       ++points.inliers;
-      squared_sum += errors.squared(track, *inlier) * inlier->variance();
+      if (const auto residual = errors.residual(track, *inlier)) {
+        squared_sum += residual->squaredNorm();
+      }
     }
     if (track.point->inverse_depth < kMinInverseDepth_1_m) track.point.reset();
   }

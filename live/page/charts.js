@@ -87,7 +87,7 @@ function drawVerdicts(now) {
     if (!isMeasured) times[sample.verdict] = (times[sample.verdict] || 0) + kInterval_s;
   }
   const texts = Object.entries(times).map(([verdict, time]) => `${verdict.replaceAll('_', ' ')} ${time.toFixed(1)} s`);
-  byId('verdict-times').textContent = texts.length ? `Not measured: ${texts.join(', ')}` : 'No image without a measurement';
+  byId('verdict-times').textContent = texts.length ? `Not measured: ${texts.join(', ')}` : 'All images measured';
 }
 
 function drawHistory() {
