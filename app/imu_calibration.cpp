@@ -64,7 +64,7 @@ std::vector<ImagePair> image_pairs(FrameSource& source, const Camera& camera,
       if (seconds_between(*keyframe_stamp, frame->stamp) < kInterval_s) continue;
       pairs.push_back({*keyframe_stamp, frame->stamp, matches_of(keyframe, tracked)});
     }
-    keyframe = features.take_keyframe(*frame);
+    keyframe = features.take_keyframe(*frame).features;
     keyframe_stamp = keyframe.empty() ? std::nullopt : std::optional(frame->stamp);
   }
   return pairs;

@@ -34,6 +34,12 @@ const FeatureTracks& FeatureTracker::track(const cv::Mat& grey,
   return tracks;
 }
 
+const FeatureTracks& FeatureTracker::track_from(const cv::Mat& grey, const AffineFlow& motion_px) {
+  alignment_.set_current(grey);
+  alignment_.align_from(motion_px);
+  return alignment_.tracks();
+}
+
 // Few features found after a sudden drop.
 bool FeatureTracker::is_lost() const {
   constexpr double kMinFoundRatio = 0.25;

@@ -38,6 +38,10 @@ class FeatureTracker {
   const FeatureTracks& track(const cv::Mat& grey, std::optional<double> image_rotation_rad = {},
                              const AffineFlow& expected_px = {});
 
+  /// Aligns the features from a motion since the reference, instead of the previous frame's, and
+  /// does not search. The result is valid until the next call.
+  const FeatureTracks& track_from(const cv::Mat& grey, const AffineFlow& motion_px);
+
  private:
   [[nodiscard]] bool is_lost() const;
 

@@ -37,25 +37,28 @@ Eigen::Vector2f patch_centre_px(const cv::Point2f& feature) {
 }  // namespace
 
 KeyframeFeatures::KeyframeFeatures(const Camera& camera, double lens_sigma_px)
-    : camera_(camera),
-      detector_(spread_detector(camera)),
-      lens_sigma_px_(lens_sigma_px),
-      tracker_(FeatureTrackerConfig{}) {}
+    : camera_(camera), detector_(spread_detector(camera)), lens_sigma_px_(lens_sigma_px) {}
 
 std::vector<FeatureObservation> KeyframeFeatures::track(const Frame& frame) {
   std::swap(previous_, found_);
-  found_.clear();
-  tracker_.set_mask(frame.mask);
-  const FeatureTracks& tracks = tracker_.track(frame.grey, {}, expected_flow_px(frame.stamp));
-  for (std::size_t i = 0; i < features_.size(); ++i) {
-    if (tracks.found[i] == 0) continue;
-    // the feature moves as the centre of its patch, at most half a pixel away
-    const Eigen::Vector2f offset_px = features_[i].at_px - features_[i].patch_px;
-    found_.push_back({i, tracks.current_px[i] + offset_px,
-                      features_[i].covariance_px2 + tracks.covariance_px2[i]});
-  }
+  keyframe_.tracker.set_mask(frame.mask);
+  found_ = found_in(keyframe_.features,
+                    keyframe_.tracker.track(frame.grey, {}, expected_flow_px(frame.stamp)));
   update_flow(frame.stamp);
-  return observations(found_);
+  return observations(keyframe_.features, found_);
+}
+
+// A feature moves as the centre of its patch, at most half a pixel away.
+std::vector<KeyframeFeatures::Found> KeyframeFeatures::found_in(
+    const std::vector<Feature>& features, const FeatureTracks& tracks) {
+  std::vector<Found> found;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (tracks.found[i] == 0) continue;
+    const Eigen::Vector2f offset_px = features[i].at_px - features[i].patch_px;
+    found.push_back({i, tracks.current_px[i] + offset_px,
+                     features[i].covariance_px2 + tracks.covariance_px2[i]});
+  }
+  return found;
 }
 
 // The image moves on as in the last interval.
@@ -84,48 +87,102 @@ void KeyframeFeatures::update_flow(Timestamp stamp) {
   last_ = stamp;
 }
 
-std::vector<FeatureObservation> KeyframeFeatures::take_keyframe(const Frame& frame) {
+KeyframeFeatures::Keyframe KeyframeFeatures::take_keyframe(
+    const Frame& frame, std::span<const ExpectedFeature> expected) {
   last_ = frame.stamp;
+  const std::vector<Found> realigned = realign(frame, expected);
+  std::vector<Feature> features = continued_features(realigned);
   std::vector<cv::Point2f> points_px;
-  std::vector<Feature> features;
-  std::vector<Found> found;
   // a patch's centre is half a pixel from its feature
-  for (const Found& old : found_) {
+  for (const Feature& old : features) {
     points_px.emplace_back(old.at_px.x() + 0.5F, old.at_px.y() + 0.5F);
-    features.push_back({.track_id = features_[old.feature].track_id,
-                        .at_px = old.at_px,
-                        .covariance_px2 = old.covariance_px2});
-    found.push_back(old);
   }
   DetectorConfig detector = detector_;
-  detector.max_features = std::max(20, kFeatures - static_cast<int>(found_.size()));
+  detector.max_features = std::max(20, kFeatures - static_cast<int>(features.size()));
   for (const cv::Point2f& point : detect_features_in_half_size(
            frame.grey, detector, points_px, frame.mask ? frame.mask->valid_pixels() : cv::Mat())) {
     points_px.push_back(point);
-    const Eigen::Vector2f at_px = patch_centre_px(point);
-    features.push_back({.track_id = next_track_id_++, .at_px = at_px});
-    found.push_back({0, at_px, Eigen::Matrix2f::Zero()});
+    features.push_back({.track_id = next_track_id_++, .at_px = patch_centre_px(point)});
   }
   constexpr std::size_t kMinFeatures = 20;
   if (points_px.size() < kMinFeatures) return {};
-  tracker_.set_reference(frame.grey, points_px);
+  Keyframe out;
+  out.realigned = observations(reference_.features, realigned);
+  if (is_reference_) reference_ = std::exchange(keyframe_, {});
+  is_reference_ = false;
+  keyframe_.tracker.set_mask(frame.mask);
+  keyframe_.tracker.set_reference(frame.grey, points_px);
   // the tracker leaves out patches that exceed the image
-  const std::vector<Eigen::Vector2f>& kept_px = tracker_.reference_px();
-  features_.clear();
+  const std::vector<Eigen::Vector2f>& kept_px = keyframe_.tracker.reference_px();
+  keyframe_.features.clear();
   found_.clear();
-  for (std::size_t i = 0; i < points_px.size() && features_.size() < kept_px.size(); ++i) {
-    const Eigen::Vector2f patch_px = patch_centre_px(points_px[i]);
-    if (patch_px != kept_px[features_.size()]) continue;
-    found[i].feature = features_.size();
-    found_.push_back(found[i]);
-    features[i].patch_px = patch_px;
-    features_.push_back(features[i]);
+  for (std::size_t i = 0; i < points_px.size() && found_.size() < kept_px.size(); ++i) {
+    features[i].patch_px = patch_centre_px(points_px[i]);
+    if (features[i].patch_px != kept_px[found_.size()]) continue;
+    found_.push_back({found_.size(), features[i].at_px, features[i].covariance_px2});
+    keyframe_.features.push_back(features[i]);
   }
-  return observations(found_);
+  out.features = observations(keyframe_.features, found_);
+  return out;
+}
+
+// Aligns the features of the reference keyframe to an image, from their common expected motion.
+std::vector<KeyframeFeatures::Found> KeyframeFeatures::realign(
+    const Frame& frame, std::span<const ExpectedFeature> expected) {
+  constexpr std::size_t kMinFeatures = PatchAlignment::kMinMotionFeatures;
+  std::vector<Eigen::Vector2f> from_px, displacements_px;
+  std::vector<unsigned char> is_expected(reference_.features.size(), 0);
+  auto feature = expected.begin();
+  for (std::size_t i = 0; i < reference_.features.size(); ++i) {
+    const Feature& reference = reference_.features[i];
+    while (feature != expected.end() && feature->track_id < reference.track_id) ++feature;
+    if (feature == expected.end()) break;
+    if (feature->track_id != reference.track_id) continue;
+    const Eigen::Vector2d at_px = distort(camera_, feature->bearing).pixel;
+    const bool is_inside = at_px.x() > 0 && at_px.y() > 0 && at_px.x() < camera_.width_px &&
+                           at_px.y() < camera_.height_px;
+    if (!is_inside) continue;
+    is_expected[i] = 1;
+    from_px.push_back(reference.at_px);
+    displacements_px.emplace_back(at_px.cast<float>() - reference.at_px);
+  }
+  if (from_px.size() < kMinFeatures) return {};
+  const AffineFlow motion_px =
+      fit_affine_flow(from_px, displacements_px, std::vector<unsigned char>(from_px.size(), 1));
+  reference_.tracker.set_mask(frame.mask);
+  std::vector<Found> found =
+      found_in(reference_.features, reference_.tracker.track_from(frame.grey, motion_px));
+  std::erase_if(found, [&](const Found& f) { return is_expected[f.feature] == 0; });
+  return found;
+}
+
+// Features of the keyframe that are found in the last image. Those of the reference keyframe are
+// where they are realigned; others close to them are left out, so that their number does not grow.
+std::vector<KeyframeFeatures::Feature> KeyframeFeatures::continued_features(
+    const std::vector<Found>& realigned) const {
+  const auto min_distance_px = static_cast<float>(0.5 * detector_.min_distance_px);
+  std::vector<Feature> features;
+  for (const Found& found : realigned) {
+    features.push_back({.track_id = reference_.features[found.feature].track_id,
+                        .at_px = found.at_px,
+                        .covariance_px2 = found.covariance_px2});
+  }
+  for (const Found& found : found_) {
+    const bool is_free = std::none_of(realigned.begin(), realigned.end(), [&](const Found& other) {
+      return (other.at_px - found.at_px).norm() < min_distance_px;
+    });
+    if (!is_free) continue;
+    features.push_back({.track_id = keyframe_.features[found.feature].track_id,
+                        .at_px = found.at_px,
+                        .covariance_px2 = found.covariance_px2});
+  }
+  std::sort(features.begin(), features.end(),
+            [](const Feature& a, const Feature& b) { return a.track_id < b.track_id; });
+  return features;
 }
 
 std::vector<FeatureObservation> KeyframeFeatures::observations(
-    const std::vector<Found>& found) const {
+    const std::vector<Feature>& features, const std::vector<Found>& found) const {
   std::vector<FeatureObservation> out;
   out.reserve(found.size());
   for (const Found& feature : found) {
@@ -135,7 +192,7 @@ std::vector<FeatureObservation> KeyframeFeatures::observations(
     const Eigen::Matrix2d covariance_px2 =
         kMaxErrorSigmas * kMaxErrorSigmas * feature.covariance_px2.cast<double>() +
         (lens_sigma_px_ * lens_sigma_px_ + kMinVariance_px2) * Eigen::Matrix2d::Identity();
-    out.push_back({features_[feature.feature].track_id, *bearing,
+    out.push_back({features[feature.feature].track_id, *bearing,
                    by_pixel * covariance_px2 * by_pixel.transpose()});
   }
   return out;
@@ -144,13 +201,13 @@ std::vector<FeatureObservation> KeyframeFeatures::observations(
 bool KeyframeFeatures::needs_keyframe(const Eigen::Quaterniond& keyframe_from_camera) const {
   constexpr double kMinFoundRatio = 0.6;
   constexpr double kMaxParallax = 0.05;  // on z = 1
-  const double min_found = kMinFoundRatio * static_cast<double>(features_.size());
+  const double min_found = kMinFoundRatio * static_cast<double>(keyframe_.features.size());
   if (static_cast<double>(found_.size()) < min_found) return true;
   std::vector<double> parallaxes;
   parallaxes.reserve(found_.size());
   for (const Found& found : found_) {
     const auto now = undistort(camera_, found.at_px.cast<double>());
-    const auto before = undistort(camera_, features_[found.feature].at_px.cast<double>());
+    const auto before = undistort(camera_, keyframe_.features[found.feature].at_px.cast<double>());
     if (!now || !before) continue;
     const Eigen::Vector3d rotated = keyframe_from_camera * now->homogeneous();
     if (!(rotated.z() > 0)) continue;
@@ -167,7 +224,7 @@ std::vector<WeightedFlow> KeyframeFeatures::flow_vectors() const {
   vectors.reserve(found_.size());
   for (const Found& found : found_) {
     vectors.push_back({.centre_px = found.at_px,
-                       .flow_px = found.at_px - features_[found.feature].at_px,
+                       .flow_px = found.at_px - keyframe_.features[found.feature].at_px,
                        .weight = 1.0F});
   }
   return vectors;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "estimation/sliding_window/sliding_window.hpp"
@@ -25,9 +26,24 @@ class KeyframeFeatures {
   /// Features of the latest keyframe in an image, by ascending number of the track.
   [[nodiscard]] std::vector<FeatureObservation> track(const Frame& frame);
 
-  /// Makes the image that was tracked last the keyframe: its features and newly detected ones, by
-  /// ascending number of the track. Empty, and the keyframe stays, if they are fewer than 20.
-  [[nodiscard]] std::vector<FeatureObservation> take_keyframe(const Frame& frame);
+  /// Features of a new keyframe, by ascending number of the track.
+  struct Keyframe {
+    std::vector<FeatureObservation> features;
+    /// Those of the reference keyframe, by its image.
+    std::vector<FeatureObservation> realigned;
+  };
+  /// Makes the image that was tracked last the keyframe: its features and newly detected ones.
+  /// Empty, and the keyframe stays, if they are fewer than 20. `expected`: features of the
+  /// reference keyframe; they are aligned to its image, so that errors do not add up while they are
+  /// in view.
+  [[nodiscard]] Keyframe take_keyframe(const Frame& frame,
+                                       std::span<const ExpectedFeature> expected = {});
+
+  /// Makes the latest keyframe the reference keyframe.
+  void keep_as_reference() {
+    is_reference_ = true;
+    reference_ = {};
+  }
 
   /// True if few features are left, or the median parallax since the keyframe exceeds 3 degrees.
   /// `keyframe_from_camera`: rotation since the keyframe.
@@ -52,15 +68,28 @@ class KeyframeFeatures {
     Eigen::Matrix2f covariance_px2;
   };
 
-  [[nodiscard]] std::vector<FeatureObservation> observations(const std::vector<Found>& found) const;
+  // Features of a keyframe with their patches.
+  struct Patches {
+    FeatureTracker tracker{FeatureTrackerConfig{}};
+    std::vector<Feature> features;
+  };
+
+  [[nodiscard]] std::vector<FeatureObservation> observations(const std::vector<Feature>& features,
+                                                             const std::vector<Found>& found) const;
+  [[nodiscard]] std::vector<Found> realign(const Frame& frame,
+                                           std::span<const ExpectedFeature> expected);
+  [[nodiscard]] std::vector<Feature> continued_features(const std::vector<Found>& realigned) const;
+  [[nodiscard]] static std::vector<Found> found_in(const std::vector<Feature>& features,
+                                                   const FeatureTracks& tracks);
   [[nodiscard]] AffineFlow expected_flow_px(Timestamp stamp) const;
   void update_flow(Timestamp stamp);
 
   Camera camera_;
   DetectorConfig detector_;
   double lens_sigma_px_;
-  FeatureTracker tracker_;
-  std::vector<Feature> features_;
+  Patches keyframe_;
+  Patches reference_;            // empty if it is the latest keyframe
+  bool is_reference_ = false;    // the latest keyframe
   std::vector<Found> found_;     // in the last image
   std::vector<Found> previous_;  // in the image before
   AffineFlow flow_px_;           // of the last interval

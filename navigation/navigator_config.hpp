@@ -110,6 +110,10 @@ struct SensorConfig {
   double height_sigma_m = 0.1;
   double attitude_sigma_rad = 0.01;
   double start_height_sigma_ratio = 0.05;
+  double accel_bias_sigma_m_s2 = 0.2;
+  double camera_rotation_sigma_rad = 0.02;
+  double lever_arm_sigma_m = 0.05;
+  double time_offset_sigma_s = 0.03;
 
   static void fields(auto& self, auto&& field) {
     field("gyro_sigma_rad_s", self.gyro_sigma_rad_s, Range{1e-9, 1e9},
@@ -122,6 +126,15 @@ struct SensorConfig {
           "standard deviation of roll and pitch");
     field("start_height_sigma_ratio", self.start_height_sigma_ratio, Range{1e-9, 1e9},
           "relative standard deviation of the initial height, once a sensor measures height");
+    // estimated by fusion.solver: window
+    field("accel_bias_sigma_m_s2", self.accel_bias_sigma_m_s2, Range{1e-6, 10},
+          "standard deviation of the accelerometer's initial bias, for fusion.solver: window");
+    field("camera_rotation_sigma_rad", self.camera_rotation_sigma_rad, Range{1e-6, 1},
+          "standard deviation of the camera's mount relative to the IMU, per axis, as above");
+    field("lever_arm_sigma_m", self.lever_arm_sigma_m, Range{1e-6, 10},
+          "standard deviation of the camera's position relative to the IMU, per axis, as above");
+    field("time_offset_sigma_s", self.time_offset_sigma_s, Range{1e-6, 1},
+          "standard deviation of the images' clock relative to the IMU's, as above");
   }
 };
 

@@ -22,9 +22,12 @@ ImuNoise imu_noise(const FusionConfig& config) {
 
 InertialPriors inertial_priors(const NavigatorConfig& config) {
   constexpr double kMinSigma_rad_s = 1e-6;  // a bias that is known exactly
-  InertialPriors priors;
-  priors.gyro_bias_rad_s = std::max(kMinSigma_rad_s, config.sensors.gyro_bias_sigma_rad_s);
-  return priors;
+  const SensorConfig& sensors = config.sensors;
+  return {.gyro_bias_rad_s = std::max(kMinSigma_rad_s, sensors.gyro_bias_sigma_rad_s),
+          .accel_bias_m_s2 = sensors.accel_bias_sigma_m_s2,
+          .camera_rotation_rad = sensors.camera_rotation_sigma_rad,
+          .lever_arm_m = sensors.lever_arm_sigma_m,
+          .time_offset_s = sensors.time_offset_sigma_s};
 }
 
 Matrix6d initial_covariance(double tilt_sigma_rad) {
@@ -93,6 +96,7 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
   NavigationEstimate out = answer(frame, frame_verdict, new_keyframe);
   out.measured_rate_in_camera_rad_s = image_rate(features);
   if (new_keyframe) take_keyframe(frame);
+  keep_reference();
   out.stage_ms = {0, flow_ms, watch.lap_ms(), 0};
   return out;
 }
@@ -101,14 +105,24 @@ NavigationEstimate WindowNavigator::initialize(const Frame& frame) {
   previous_ = last_ = last_measured_ = imu_known_until_ = frame.stamp;
   window_.add_frame(frame.stamp, {}, {});
   take_keyframe(frame);
+  keep_reference();
   return answer(frame, Verdict::first_frame, true);
 }
 
+// A new reference keyframe of the window is the latest one, or at rest an image like it.
+void WindowNavigator::keep_reference() {
+  if (window_.window().reference_id == reference_id_) return;
+  reference_id_ = window_.window().reference_id;
+  features_.keep_as_reference();
+}
+
 void WindowNavigator::take_keyframe(const Frame& frame) {
-  const std::vector<FeatureObservation> features = features_.take_keyframe(frame);
-  if (features.empty()) return;
-  previous_features_ = features;
-  window_.take_keyframe(features);
+  const Window& window = window_.window();
+  const KeyframeFeatures::Keyframe keyframe =
+      features_.take_keyframe(frame, expected_features(window, window.reference_id));
+  if (keyframe.features.empty()) return;
+  previous_features_ = keyframe.features;
+  window_.take_keyframe(keyframe.features, keyframe.realigned);
   world_from_keyframe_ = window_.state().world_from_imu.rotation * body_from_camera_.rotation;
 }
 

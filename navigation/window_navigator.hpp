@@ -39,6 +39,7 @@ class WindowNavigator {
   [[nodiscard]] std::optional<Eigen::Vector3d> image_rate(
       const std::vector<FeatureObservation>& features);
   void take_keyframe(const Frame& frame);
+  void keep_reference();
   [[nodiscard]] Matrix6d unmeasured_covariance(Timestamp stamp) const;
   [[nodiscard]] Matrix6d pose_covariance(Timestamp stamp) const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict,
@@ -50,6 +51,7 @@ class WindowNavigator {
   double rest_depth_m_;  // of the scene, for the velocity sigma at rest before any point is known
   KeyframeFeatures features_;
   SlidingWindow window_;
+  std::int64_t reference_id_ = -1;
   std::vector<FeatureObservation> previous_features_;
   std::optional<InertialFinding> contradiction_;  // with a prior, the latest
   Eigen::Quaterniond world_from_keyframe_;        // camera

@@ -4,6 +4,8 @@
 #include <limits>
 #include <vector>
 
+#include "estimation/sliding_window/reprojection_errors.hpp"
+
 namespace stillkite {
 
 std::optional<std::size_t> closest_frame(const Window& window) {
@@ -19,14 +21,49 @@ std::optional<std::size_t> closest_frame(const Window& window) {
   return closest;
 }
 
+namespace {
+
+// Keyframe with a pose only whose observations say most of the inverse depths of the reference's
+// points.
+std::optional<std::int64_t> reference_partner(const Window& window) {
+  const auto reference = window.find(window.reference_id);
+  if (!reference) return std::nullopt;
+  std::optional<std::int64_t> best;
+  double most = 0;
+  CameraPairs pairs(window, false);
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    if (window.frames[i].has_motion || i == *reference) continue;
+    double information = 0;
+    for (const WindowTrack& track : window.tracks) {
+      if (!track.point || track.observations.front().frame_id != window.reference_id) continue;
+      const WindowObservation* observation = track.in(window.frames[i].id);
+      if (observation == nullptr) continue;
+      const auto projection = project_point(pairs.at(*reference, i), *track.point);
+      if (!projection) continue;
+      const Eigen::Vector2d by_depth = projection->by_point.col(2);
+      information += by_depth.dot(observation->information * by_depth);
+    }
+    if (information <= most) continue;
+    most = information;
+    best = window.frames[i].id;
+  }
+  return best;
+}
+
+}  // namespace
+
 std::size_t redundant_keyframe(const Window& window) {
   const WindowFrame& newest = window.frames.back();
-  std::vector<std::size_t> poses;
+  const std::optional<std::int64_t> partner = reference_partner(window);
+  std::vector<std::size_t> poses, candidates;
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
-    if (!window.frames[i].has_motion) poses.push_back(i);
+    if (window.frames[i].has_motion) continue;
+    poses.push_back(i);
+    const std::int64_t id = window.frames[i].id;
+    if (id != window.reference_id && id != partner) candidates.push_back(i);
   }
   constexpr double kMinVisible_ratio = 0.05;
-  for (const std::size_t i : poses) {
+  for (const std::size_t i : candidates) {
     int hosted = 0;
     int visible = 0;
     for (const WindowTrack& track : window.tracks) {
@@ -45,9 +82,9 @@ std::size_t redundant_keyframe(const Window& window) {
                      window.frames[b].state.world_from_imu.translation)
                         .norm();
   };
-  std::size_t redundant = poses.front();
+  std::size_t redundant = candidates.front();
   double highest = 0;
-  for (const std::size_t i : poses) {
+  for (const std::size_t i : candidates) {
     double closeness = 0;
     for (const std::size_t k : poses) {
       if (k != i) closeness += 1 / distance(i, k);

@@ -12,7 +12,8 @@ namespace stillkite {
 [[nodiscard]] std::optional<std::size_t> closest_frame(const Window& window);
 
 /// Keyframe with a pose only whose points are out of view, else the one closest to its neighbours
-/// (Engel et al., "Direct sparse odometry", IEEE T-PAMI 2018, section 3.1). There is at least one.
+/// (Engel et al., "Direct sparse odometry", IEEE T-PAMI 2018, section 3.1). The reference keyframe
+/// stays, with the keyframe that knows the depths of its points best. There are at least three.
 [[nodiscard]] std::size_t redundant_keyframe(const Window& window);
 
 }  // namespace stillkite

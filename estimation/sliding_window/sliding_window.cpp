@@ -40,6 +40,7 @@ SlidingWindow::SlidingWindow(const CameraExtrinsics& extrinsics,
 void SlidingWindow::begin_with(WindowFrame first) {
   window_.frames.clear();
   window_.tracks.clear();
+  window_.reference_id = -1;
   window_.prior.information = Eigen::MatrixXd::Zero(ExtrinsicsIndex::kSize, ExtrinsicsIndex::kSize);
   window_.prior.gradient = Eigen::VectorXd::Zero(ExtrinsicsIndex::kSize);
   append_frame(window_, std::move(first));
@@ -87,9 +88,12 @@ void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuInterval> read
   forget_readings();
 }
 
-void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features) {
+void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features,
+                                  std::span<const FeatureObservation> realigned) {
   window_.frames.back().is_keyframe = true;
+  replace_observations(window_, realigned);
   begin_tracks(window_, features);
+  if (!window_.find(window_.reference_id)) window_.reference_id = window_.frames.back().id;
   if (is_initialized_ && !is_batch_) limit_keyframes();
   remove_empty_tracks(window_);
 }

@@ -39,8 +39,10 @@ class SlidingWindow {
   void restart();
 
   /// Makes the newest frame a keyframe, in which new tracks begin. Their numbers ascend and are
-  /// greater than those of all known tracks.
-  void take_keyframe(std::span<const FeatureObservation> features);
+  /// greater than those of all known tracks. `realigned`: features of the reference keyframe, by
+  /// its image, instead of their observations in the newest frame, if any.
+  void take_keyframe(std::span<const FeatureObservation> features,
+                     std::span<const FeatureObservation> realigned = {});
 
   [[nodiscard]] bool is_initialized() const { return is_initialized_; }
   [[nodiscard]] bool is_restarted() const { return is_restarted_; }

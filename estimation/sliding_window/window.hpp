@@ -77,6 +77,8 @@ struct Window {
   std::vector<WindowFrame> frames;
   std::vector<WindowTrack> tracks;  ///< by ascending number
   MarginalPrior prior;
+  /// Keyframe that stays, so that a return to it corrects what has drifted since.
+  std::int64_t reference_id = -1;
 
   /// Time of a frame's state in the IMU's clock.
   [[nodiscard]] Timestamp imu_time(Timestamp image) const;

@@ -19,17 +19,44 @@ WindowObservation observation_of(const FeatureObservation& feature, std::int64_t
           .information = feature.covariance.inverse()};
 }
 
+WindowTrack* find_track(Window& window, std::int64_t id) {
+  const auto track =
+      std::lower_bound(window.tracks.begin(), window.tracks.end(), id,
+                       [](const WindowTrack& t, std::int64_t i) { return t.id < i; });
+  return track == window.tracks.end() || track->id != id ? nullptr : &*track;
+}
+
 }  // namespace
 
 void add_observations(Window& window, std::span<const FeatureObservation> features) {
   const std::int64_t newest = window.frames.back().id;
   for (const FeatureObservation& feature : features) {
-    const auto track =
-        std::lower_bound(window.tracks.begin(), window.tracks.end(), feature.track_id,
-                         [](const WindowTrack& t, std::int64_t id) { return t.id < id; });
-    if (track == window.tracks.end() || track->id != feature.track_id) continue;
+    WindowTrack* track = find_track(window, feature.track_id);
+    if (track != nullptr) track->observations.push_back(observation_of(feature, newest));
+  }
+}
+
+void replace_observations(Window& window, std::span<const FeatureObservation> features) {
+  const std::int64_t newest = window.frames.back().id;
+  for (const FeatureObservation& feature : features) {
+    WindowTrack* track = find_track(window, feature.track_id);
+    if (track == nullptr) continue;
+    if (track->in(newest) != nullptr) track->observations.pop_back();
     track->observations.push_back(observation_of(feature, newest));
   }
+}
+
+std::vector<ExpectedFeature> expected_features(const Window& window, std::int64_t keyframe_id) {
+  std::vector<ExpectedFeature> expected;
+  const auto keyframe = window.find(keyframe_id);
+  if (!keyframe) return expected;
+  const CameraPair pair = CameraPairs(window, false).at(*keyframe, window.frames.size() - 1);
+  for (const WindowTrack& track : window.tracks) {
+    if (!track.point || track.observations.front().frame_id != keyframe_id) continue;
+    const auto bearing = project_bearing(pair, *track.point);
+    if (bearing) expected.push_back({track.id, *bearing});
+  }
+  return expected;
 }
 
 void begin_tracks(Window& window, std::span<const FeatureObservation> features) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "estimation/sliding_window/window.hpp"
 
@@ -16,11 +17,25 @@ struct FeatureObservation {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
 };
 
+/// Bearing on z = 1 at which the estimate expects a track.
+struct ExpectedFeature {
+  std::int64_t track_id = 0;
+  Eigen::Vector2d bearing = Eigen::Vector2d::Zero();
+};
+
 /// Adds the features of known tracks to the newest frame.
 void add_observations(Window& window, std::span<const FeatureObservation> features);
 
 /// Begins tracks in the newest frame with the features whose numbers are new.
 void begin_tracks(Window& window, std::span<const FeatureObservation> features);
+
+/// Replaces the observations of known tracks in the newest frame, or adds them.
+void replace_observations(Window& window, std::span<const FeatureObservation> features);
+
+/// Bearings of the points of a keyframe in the newest frame, by ascending number of the track, as
+/// estimated; without those behind the camera.
+[[nodiscard]] std::vector<ExpectedFeature> expected_features(const Window& window,
+                                                             std::int64_t keyframe_id);
 
 /// Points of the tracks that have none.
 void triangulate_tracks(Window& window);

@@ -55,7 +55,7 @@ TEST(KeyframeFeatures, CovarianceGrowsFromKeyframeToKeyframe) {
   KeyframeFeatures features(camera, 0);
   std::map<std::int64_t, Eigen::Vector2d> truth;
   for (const FeatureObservation& feature :
-       features.take_keyframe(noisy_image(texture, 0, random))) {
+       features.take_keyframe(noisy_image(texture, 0, random)).features) {
     truth[feature.track_id] = feature.bearing;
   }
   double first = 0;
@@ -64,10 +64,43 @@ TEST(KeyframeFeatures, CovarianceGrowsFromKeyframeToKeyframe) {
     const Frame frame = noisy_image(texture, i, random);
     last = normalized_error(features.track(frame), truth);
     if (i == 1) first = last;
-    ASSERT_FALSE(features.take_keyframe(frame).empty());
+    ASSERT_FALSE(features.take_keyframe(frame).features.empty());
   }
   EXPECT_GT(first, 0);
   EXPECT_LT(last, 2 * first);
+}
+
+// Every image is a keyframe: those of the reference are aligned to its image.
+TEST(KeyframeFeatures, ReferenceFeaturesDoNotDrift) {
+  constexpr int kKeyframes = 10;
+  const Camera camera = small_camera();
+  cv::RNG random(9);
+  const cv::Mat texture = blurred_noise(camera, random);
+  KeyframeFeatures features(camera, 0);
+  std::vector<ExpectedFeature> expected;
+  std::map<std::int64_t, Eigen::Vector2d> truth;
+  for (const FeatureObservation& feature :
+       features.take_keyframe(noisy_image(texture, 0, random)).features) {
+    expected.push_back({feature.track_id, feature.bearing});
+    truth[feature.track_id] = feature.bearing;
+  }
+  features.keep_as_reference();
+  std::vector<double> variances;
+  std::vector<FeatureObservation> realigned;
+  for (int i = 1; i <= kKeyframes; ++i) {
+    const Frame frame = noisy_image(texture, i, random);
+    (void)features.track(frame);
+    const KeyframeFeatures::Keyframe keyframe = features.take_keyframe(frame, expected);
+    ASSERT_LT(keyframe.features.size(), 1.2 * static_cast<double>(expected.size()));
+    if (i == 1) continue;  // the keyframe before is the reference
+    realigned = keyframe.realigned;
+    ASSERT_GT(realigned.size(), 50U);
+    double sum = 0;
+    for (const FeatureObservation& feature : realigned) sum += feature.covariance.trace();
+    variances.push_back(sum / static_cast<double>(realigned.size()));
+  }
+  EXPECT_LT(variances.back(), 1.2 * variances.front());
+  EXPECT_LT(normalized_error(realigned, truth), 3);
 }
 
 }  // namespace

@@ -189,6 +189,52 @@ TEST(SlidingWindow, PredictsByTheImuWithoutFeatures) {
   EXPECT_LT(error_m, 4 * sigma(InertialIndex::kPosition));
 }
 
+// Half of the points is seen at the start only, the others for two seconds each: position drifts.
+// The first ones, seen again, put it back.
+TEST(SlidingWindow, ReturnToTheReferenceRemovesDrift) {
+  constexpr int kSeenAtFirst_s = 5;
+  constexpr int kAway_s = 15;
+  constexpr int kHalf = 100;
+  WindowRun run(6);
+  const auto all = [&] {
+    return observe(run.motion, kFrame_s * run.frame, run.points, kBearingSigma, run.random);
+  };
+  const auto visible = [&](auto&& is_visible) {
+    auto features = all();
+    std::erase_if(features, [&](const auto& f) { return !is_visible(f.track_id); });
+    return features;
+  };
+  const auto is_first = [](std::int64_t id) { return id < kHalf; };
+  while (kFrame_s * run.frame < kSeenAtFirst_s) run.advance(visible(is_first));
+  ASSERT_TRUE(run.window->is_initialized());
+  const RigidTransform truth_from_world = run.truth_from_world();
+  const std::int64_t reference = run.window->window().reference_id;
+  while (kFrame_s * run.frame < kSeenAtFirst_s + kAway_s) {
+    const double newest = kHalf * (kFrame_s * run.frame - kSeenAtFirst_s + 2) / (kAway_s + 2);
+    run.advance(visible([&](std::int64_t id) {
+      const double order = static_cast<double>(id) - kHalf;
+      return order > newest - 2.0 * kHalf / (kAway_s + 2) - 1 && order <= newest;
+    }));
+  }
+  const auto sigma_m = [&] {
+    return std::sqrt(run.window->covariance().block<3, 3>(3, 3).trace());
+  };
+  const double drift_sigma_m = sigma_m();
+  ASSERT_EQ(run.window->window().reference_id, reference);
+  ASSERT_TRUE(run.window->window().find(reference));
+  for (int i = 0; i < 3; ++i) {
+    const auto features = visible(is_first);
+    run.advance({});
+    run.window->take_keyframe({}, features);
+  }
+  run.advance({});
+  const InertialState state = run.aligned_state(truth_from_world);
+  const double error_m =
+      (state.world_from_imu.translation - run.truth().world_from_imu.translation).norm();
+  EXPECT_LT(sigma_m(), 0.5 * drift_sigma_m);
+  EXPECT_LT(error_m, 4 * sigma_m());
+}
+
 struct Mounting {
   double time_offset_s;
   double lever_arm_m;
