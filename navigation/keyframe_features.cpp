@@ -156,6 +156,12 @@ std::vector<KeyframeFeatures::Found> KeyframeFeatures::realign(
   return found;
 }
 
+std::vector<FeatureObservation> KeyframeFeatures::search_lost(const Frame& frame) {
+  if (lost_.features.empty()) return {};
+  lost_.tracker.set_mask(frame.mask);
+  return observations(lost_.features, found_in(lost_.features, lost_.tracker.track(frame.grey)));
+}
+
 // Features of the keyframe that are found in the last image. Those of the reference keyframe are
 // where they are realigned; others close to them are left out, so that their number does not grow.
 std::vector<KeyframeFeatures::Feature> KeyframeFeatures::continued_features(

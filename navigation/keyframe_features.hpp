@@ -45,6 +45,13 @@ class KeyframeFeatures {
     reference_ = {};
   }
 
+  /// Keeps the reference keyframe apart, to search for it in later images.
+  void lose_reference() { lost_ = is_reference_ ? keyframe_ : reference_; }
+  /// Features of the lost reference keyframe in an image, by ascending number of the track;
+  /// searches the whole image.
+  [[nodiscard]] std::vector<FeatureObservation> search_lost(const Frame& frame);
+  void forget_lost() { lost_ = {}; }
+
   /// True if few features are left, or the median parallax since the keyframe exceeds 3 degrees.
   /// `keyframe_from_camera`: rotation since the keyframe.
   [[nodiscard]] bool needs_keyframe(const Eigen::Quaterniond& keyframe_from_camera) const;
@@ -90,6 +97,7 @@ class KeyframeFeatures {
   Patches keyframe_;
   Patches reference_;            // empty if it is the latest keyframe
   bool is_reference_ = false;    // the latest keyframe
+  Patches lost_;                 // of the reference keyframe before
   std::vector<Found> found_;     // in the last image
   std::vector<Found> previous_;  // in the image before
   AffineFlow flow_px_;           // of the last interval

@@ -88,6 +88,7 @@ struct NavigationEstimate {
   ScaleSource scale = ScaleSource::none;
   double scale_age_s = 0;  ///< since the last reading of that source
   bool new_keyframe = false;
+  bool relocalized = false;  ///< policy fused, window: position and yaw by the reference keyframe
   FlowQuality quality;
   std::optional<ReferenceReport> reference;    ///< empty if the reference estimator does not run
   std::array<double, kStageCount> stage_ms{};  ///< wall time, by Stage

@@ -1,10 +1,13 @@
 #include "navigation/window_navigator.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "estimation/sliding_window/epipolar_rotation.hpp"
 #include "flow/standstill_detector.hpp"
+#include "geometry/chi_square.hpp"
 #include "navigation/assumptions.hpp"
 #include "navigation/estimate_parts.hpp"
 #include "navigation/imu_intervals.hpp"
@@ -93,7 +96,9 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
   const bool new_keyframe =
       is_image_usable && (!has_tracks || features_.needs_keyframe(world_from_keyframe_.conjugate() *
                                                                   world_from_camera));
+  const bool is_relocalized = new_keyframe && relocalize(frame);
   NavigationEstimate out = answer(frame, frame_verdict, new_keyframe);
+  out.relocalized = is_relocalized;
   out.measured_rate_in_camera_rad_s = image_rate(features);
   if (new_keyframe) take_keyframe(frame);
   keep_reference();
@@ -114,6 +119,63 @@ void WindowNavigator::keep_reference() {
   if (window_.window().reference_id == reference_id_) return;
   reference_id_ = window_.window().reference_id;
   features_.keep_as_reference();
+}
+
+void WindowNavigator::lose_reference() {
+  const Window& window = window_.window();
+  if (lost_reference_ || !window_.is_initialized()) return;
+  KeyframeMap map = keyframe_map(window, window.reference_id);
+  if (map.points.empty()) return;
+  lost_reference_ = LostReference{std::move(map), origin_covariance_ + mount_covariance()};
+  features_.lose_reference();
+}
+
+// Of the body's pose relative to the camera's, (translation, rotation) in the world.
+Matrix6d WindowNavigator::mount_covariance() const {
+  const Eigen::Matrix3d R = window_.state().world_from_imu.rotation.toRotationMatrix();
+  Matrix6d J = Matrix6d::Zero();
+  J.block<3, 3>(0, ExtrinsicsIndex::kLeverArm) = R;
+  J.block<3, 3>(3, ExtrinsicsIndex::kRotation) =
+      R * window_.extrinsics().imu_from_camera.rotation.toRotationMatrix();
+  return J * window_.mount_covariance() * J.transpose();
+}
+
+void WindowNavigator::forget_lost_reference() {
+  lost_reference_.reset();
+  features_.forget_lost();
+}
+
+// Position and yaw by the reference keyframe before a restart, if it is in view.
+bool WindowNavigator::relocalize(const Frame& frame) {
+  constexpr double kMaxSigmas = 5;
+  if (!lost_reference_ || !window_.is_initialized()) return false;
+  const RigidTransform& imu_from_camera = window_.extrinsics().imu_from_camera;
+  const RigidTransform world_from_camera = window_.world_from_imu() * imu_from_camera;
+  const KeyframeMap& map = lost_reference_->map;
+  const auto located = locate_camera(map, features_.search_lost(frame),
+                                     map.world_from_camera.inverse() * world_from_camera);
+  if (!located) return false;
+  const RigidTransform measured = map.world_from_camera * located->keyframe_from_camera;
+  // (translation, rotation) in the world
+  Matrix6d J = Matrix6d::Zero();
+  J.topRightCorner<3, 3>() = map.world_from_camera.rotation.toRotationMatrix();
+  J.bottomLeftCorner<3, 3>() = measured.rotation.toRotationMatrix();
+  const Matrix6d covariance =
+      lost_reference_->covariance + mount_covariance() + J * located->covariance * J.transpose();
+  const Eigen::Quaterniond turn = measured.rotation * world_from_camera.rotation.conjugate();
+  Vector6d difference;
+  difference << measured.translation - world_from_camera.translation, so3_log(turn);
+  const Matrix6d expected = covariance + pose_covariance(frame.stamp);
+  const double squared = difference.dot(expected.ldlt().solve(difference));
+  if (!(squared < chi_square_at_sigmas(kMaxSigmas, 6))) return false;
+  const Eigen::Quaterniond yaw = so3_exp({0, 0, 2 * std::atan2(turn.z(), turn.w())});
+  const Eigen::Vector3d before = window_.world_from_imu().translation;
+  const RigidTransform world_from_imu = measured * imu_from_camera.inverse();
+  window_.move(yaw, before, world_from_imu.translation);
+  initial_position_m_ = world_from_imu.translation + yaw * (initial_position_m_ - before);
+  origin_covariance_ = covariance;
+  forget_lost_reference();
+  return true;
 }
 
 void WindowNavigator::take_keyframe(const Frame& frame) {
@@ -159,7 +221,9 @@ void WindowNavigator::restart_if_contradictory(Timestamp stamp) {
   const double moved_m2 =
       (window_.state().world_from_imu.translation - initial_position_m_).squaredNorm();
   restart(stamp);
-  origin_covariance_.diagonal().head<3>().array() += moved_m2;  // its scale is unknown
+  // its scale is unknown
+  origin_covariance_.diagonal().head<3>().array() += moved_m2;
+  forget_lost_reference();
 }
 
 void WindowNavigator::restart_if_lost(Timestamp stamp) {
@@ -170,6 +234,7 @@ void WindowNavigator::restart_if_lost(Timestamp stamp) {
 }
 
 void WindowNavigator::restart(Timestamp stamp) {
+  lose_reference();
   origin_covariance_ = pose_covariance(stamp);
   const double speed_variance =
       window_.covariance().block<3, 3>(InertialIndex::kVelocity, InertialIndex::kVelocity).trace();

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "estimation/sliding_window/keyframe_map.hpp"
 #include "estimation/sliding_window/sliding_window.hpp"
 #include "navigation/frame_interval.hpp"
 #include "navigation/inertial_findings.hpp"
@@ -40,6 +41,10 @@ class WindowNavigator {
       const std::vector<FeatureObservation>& features);
   void take_keyframe(const Frame& frame);
   void keep_reference();
+  void lose_reference();
+  void forget_lost_reference();
+  [[nodiscard]] Matrix6d mount_covariance() const;
+  [[nodiscard]] bool relocalize(const Frame& frame);
   [[nodiscard]] Matrix6d unmeasured_covariance(Timestamp stamp) const;
   [[nodiscard]] Matrix6d pose_covariance(Timestamp stamp) const;
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict,
@@ -52,6 +57,13 @@ class WindowNavigator {
   KeyframeFeatures features_;
   SlidingWindow window_;
   std::int64_t reference_id_ = -1;
+  // Reference keyframe before a restart, with the covariance of its pose, order of
+  // `origin_covariance_`; until it is found again.
+  struct LostReference {
+    KeyframeMap map;
+    Matrix6d covariance;
+  };
+  std::optional<LostReference> lost_reference_;
   std::vector<FeatureObservation> previous_features_;
   std::optional<InertialFinding> contradiction_;  // with a prior, the latest
   Eigen::Quaterniond world_from_keyframe_;        // camera

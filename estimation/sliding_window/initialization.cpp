@@ -64,12 +64,7 @@ void move_first_frame(const RigidTransform& world_from_first, Window& window) {
   const RigidTransform before = window.frames.front().state.world_from_imu;
   const Eigen::Quaterniond change = world_from_first.rotation * before.rotation.conjugate();
   const Eigen::Quaterniond yaw = so3_exp({0, 0, 2 * std::atan2(change.z(), change.w())});
-  for (WindowFrame& frame : window.frames) {
-    RigidTransform& pose = frame.state.world_from_imu;
-    pose = {(yaw * pose.rotation).normalized(),
-            world_from_first.translation + yaw * (pose.translation - before.translation)};
-    frame.state.velocity_in_world_m_s = yaw * frame.state.velocity_in_world_m_s;
-  }
+  move_window(window, yaw, before.translation, world_from_first.translation);
 }
 
 // Zero velocity by the images; gyroscope bias and gravity by the mean readings.

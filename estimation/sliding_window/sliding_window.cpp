@@ -218,6 +218,17 @@ void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuInterval> r
   update_covariance();
 }
 
+Matrix6d SlidingWindow::mount_covariance() const {
+  if (is_initialized_) {
+    if (const auto covariance = window_covariance(window_))
+      return covariance->topLeftCorner<6, 6>();
+  }
+  Vector6d sigma;
+  sigma.segment<3>(ExtrinsicsIndex::kRotation).setConstant(priors_.camera_rotation_rad);
+  sigma.segment<3>(ExtrinsicsIndex::kLeverArm).setConstant(priors_.lever_arm_m);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
 void SlidingWindow::update_covariance() {
   if (const auto covariance = window_covariance(window_)) {
     covariance_ = covariance->bottomRightCorner<InertialIndex::kSize, InertialIndex::kSize>();
@@ -240,12 +251,18 @@ void SlidingWindow::restart() {
   first.state = state();
   first.state.velocity_in_world_m_s.setZero();
   is_restarted_ = true;
-  window_.first_extrinsics = window_.extrinsics;
+  window_.extrinsics = window_.first_extrinsics = window_.calibrated;
   begin_with(std::move(first));
   is_initialized_ = is_batch_ = is_at_rest_ = false;
   rest_.reset();
   initialization_ = {};
   points_ = {};
+}
+
+void SlidingWindow::move(const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from,
+                         const Eigen::Vector3d& to) {
+  move_window(window_, yaw, from, to);
+  update_covariance();
 }
 
 void SlidingWindow::estimate() {

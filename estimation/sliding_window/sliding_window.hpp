@@ -35,8 +35,11 @@ class SlidingWindow {
                  std::span<const FeatureObservation> features,
                  const std::optional<CameraRest>& rest = {});
 
-  /// Forgets everything but the pose, extrinsics and their priors; a new initialization follows.
+  /// Forgets everything but the pose; a new initialization follows.
   void restart();
+
+  /// Another choice of position and yaw; as move_window().
+  void move(const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
   /// Makes the newest frame a keyframe, in which new tracks begin. Their numbers ascend and are
   /// greater than those of all known tracks. `realigned`: features of the reference keyframe, by
@@ -58,6 +61,9 @@ class SlidingWindow {
     return window_.imu.between(window_.imu_time(from), window_.imu_time(to));
   }
   [[nodiscard]] const CameraExtrinsics& extrinsics() const { return window_.extrinsics; }
+  /// Covariance of rotation and lever arm of the camera, order of ExtrinsicsIndex: of the prior
+  /// before the initialization.
+  [[nodiscard]] Matrix6d mount_covariance() const;
   /// Covariance of the newest frame's state, order of InertialIndex. Zero before the
   /// initialization.
   [[nodiscard]] const Matrix15d& covariance() const { return covariance_; }

@@ -85,6 +85,32 @@ void integrate_imu(Window& window, std::size_t frame) {
   at.gyro_rad_s = window.imu.at(to).angular_rate_rad_s;
 }
 
+void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from,
+                 const Eigen::Vector3d& to) {
+  const RigidTransform world_from_before{yaw, to - yaw * from};
+  const auto move = [&](InertialState& state) {
+    RigidTransform& pose = state.world_from_imu;
+    pose = world_from_before * pose;
+    pose.rotation.normalize();
+    state.velocity_in_world_m_s = yaw * state.velocity_in_world_m_s;
+  };
+  // errors of positions and velocities are in world axes
+  const std::vector<int> offsets = window.offsets();
+  Eigen::MatrixXd axes = Eigen::MatrixXd::Identity(offsets.back(), offsets.back());
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    WindowFrame& frame = window.frames[i];
+    move(frame.state);
+    if (frame.first_estimate) move(*frame.first_estimate);
+    const int position = offsets[i] + InertialIndex::kPosition;
+    axes.block<3, 3>(position, position) = yaw.toRotationMatrix();
+    if (!frame.has_motion) continue;
+    const int velocity = offsets[i] + InertialIndex::kVelocity;
+    axes.block<3, 3>(velocity, velocity) = yaw.toRotationMatrix();
+  }
+  window.prior.information = axes * window.prior.information * axes.transpose();
+  window.prior.gradient = axes * window.prior.gradient;
+}
+
 void linearize_at_present_extrinsics(Window& window) {
   constexpr double kMinShift_s = 2e-5;
   const double shift_s = window.image_shift_s();

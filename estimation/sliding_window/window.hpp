@@ -99,6 +99,10 @@ void append_frame(Window& window, WindowFrame frame);
 /// Takes the IMU readings between the previous frame and this one again.
 void integrate_imu(Window& window, std::size_t frame);
 
+/// Another choice of position and yaw: moves all frames, so that the position `from` becomes `to`.
+void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from,
+                 const Eigen::Vector3d& to);
+
 /// Makes the present extrinsics the linearization point, with the states at the times of the
 /// images. All frames have a motion, and the prior does not depend on them.
 void linearize_at_present_extrinsics(Window& window);

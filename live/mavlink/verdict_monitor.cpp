@@ -17,7 +17,8 @@ std::uint8_t ResetCounter::update(const NavigationEstimate& estimate) {
       measured && last_measured_ && seconds_between(*last_measured_, estimate.stamp) > max_gap_s_;
   const bool is_metric = estimate.scale != ScaleSource::none;
   const bool regained_scale = is_metric && has_lost_scale_;
-  const bool relocalized = estimate.reference && estimate.reference->relocalized;
+  const bool relocalized =
+      estimate.relocalized || (estimate.reference && estimate.reference->relocalized);
   if (after_gap || regained_scale || relocalized) ++count_;
   if (measured) last_measured_ = estimate.stamp;
   has_been_metric_ = has_been_metric_ || is_metric;

@@ -167,7 +167,9 @@ TEST(SlidingWindow, IsNotInitializedAfterARestart) {
   WindowRun run(4);
   while (!run.window->is_initialized() && run.frame < 60) run.step();
   ASSERT_TRUE(run.window->is_initialized());
+  ASSERT_NE(run.window->extrinsics().time_offset_s, 0);
   run.window->restart();
+  EXPECT_EQ(run.window->extrinsics().time_offset_s, 0);
   EXPECT_FALSE(run.window->is_initialized());
   EXPECT_TRUE(run.window->is_restarted());
   EXPECT_EQ(run.window->window().frames.size(), 1U);
