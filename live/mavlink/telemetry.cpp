@@ -88,8 +88,9 @@ void Telemetry::update_round_trip(const Packet& packet, Timestamp arrival) {
   constexpr std::int64_t kMax_ns = 1'000'000'000;
   const auto reply = decode<Timesync>(packet);
   if (!reply || reply->tc1 == 0) return;
+  // a reply to another component has any ts1
+  if (reply->ts1 >= arrival.ns || reply->ts1 < arrival.ns - kMax_ns) return;
   const std::int64_t round_trip_ns = arrival.ns - reply->ts1;
-  if (round_trip_ns <= 0 || round_trip_ns > kMax_ns) return;  // of another component
   if (round_trip_ns_ == 0 || round_trip_ns < round_trip_ns_) round_trip_ns_ = round_trip_ns;
 }
 

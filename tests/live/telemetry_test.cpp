@@ -127,5 +127,16 @@ TEST(Telemetry, SubtractsHalfOfTheShortestRoundTrip) {
   EXPECT_EQ(std::get<ImuSample>(sample.value()).stamp.ns, kArrival.ns - 2'000'000);
 }
 
+// Replies to other components: times of another clock, down to the smallest number.
+TEST(Telemetry, IgnoresRoundTripsOfAnotherClock) {
+  Telemetry telemetry({.imu = ImuMessage::highres}, 1);
+  for (const std::int64_t sent_ns :
+       {INT64_MIN, std::int64_t{-1}, kArrival.ns - 1'000'000'001, kArrival.ns, INT64_MAX}) {
+    EXPECT_FALSE(telemetry.read(packet_of(Timesync{.tc1 = 77, .ts1 = sent_ns}), kArrival));
+  }
+  const auto sample = telemetry.read(packet_of(HighresImu{.zacc = -9.8f}), kArrival);
+  EXPECT_EQ(std::get<ImuSample>(sample.value()).stamp, kArrival);
+}
+
 }  // namespace
 }  // namespace stillkite::mavlink
