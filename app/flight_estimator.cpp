@@ -54,15 +54,8 @@ bool reaches(const std::vector<Timestamp>& stamps, Timestamp stamp) {
 }
 
 HeightSource height_source_of(HeightMessage message) {
-  switch (message) {
-    case HeightMessage::distance_sensor:
-      return HeightSource::range;
-    case HeightMessage::global_position:
-      return HeightSource::barometer;
-    case HeightMessage::none:
-      break;
-  }
-  return HeightSource::none;
+  if (is_range(message)) return HeightSource::range;
+  return is_relative_height(message) ? HeightSource::barometer : HeightSource::none;
 }
 
 }  // namespace
@@ -70,11 +63,12 @@ HeightSource height_source_of(HeightMessage message) {
 FlightEstimator::FlightEstimator(FlyConfig config)
     : config_(std::move(config)),
       telemetry_(config_.live.telemetry, static_cast<std::uint8_t>(config_.live.system_id)),
+      sensor_lines_(config_.live.telemetry),
       gate_(config_.live.tether, config_.hold.max_tether_age_s),
       body_from_autopilot_(config_.imu.rotation_wxyz
                                ? unit_quaternion(*config_.imu.rotation_wxyz, "imu.rotation_wxyz")
                                : Eigen::Quaterniond::Identity()) {
-  sensors_.height_source = config_.live.telemetry.height == HeightMessage::global_position
+  sensors_.height_source = is_relative_height(config_.live.telemetry.height)
                                ? ScaleSource::barometer
                                : ScaleSource::range;
   sensors_.imu_noise = config_.imu.noise;
@@ -82,6 +76,11 @@ FlightEstimator::FlightEstimator(FlyConfig config)
 
 void FlightEstimator::receive(const mavlink::Packet& packet, Timestamp arrival) {
   if (const auto sample = telemetry_.read(packet, arrival)) add(*sample);
+  discard_old(arrival);
+}
+
+void FlightEstimator::receive(const SensorLine& line, Timestamp arrival) {
+  for (const SensorSample& sample : sensor_lines_.read(line, arrival)) add(sample);
   discard_old(arrival);
 }
 
@@ -113,32 +112,31 @@ void FlightEstimator::discard_old(Timestamp arrival) {
   discard_before(*oldest_kept_);
 }
 
-void FlightEstimator::add(const mavlink::SensorSample& sample) {
-  if (const auto* imu = std::get_if<mavlink::ImuSample>(&sample)) {
+void FlightEstimator::add(const SensorSample& sample) {
+  if (const auto* imu = std::get_if<ImuSample>(&sample)) {
     Vector6d value;
     value << body_from_autopilot_ * imu->angular_rate_in_body_rad_s,
         body_from_autopilot_ * imu->specific_force_in_body_m_s2;
     append(sensors_.imu, imu->stamp, value);
     append(sensors_.angular_rate_in_body_rad_s, imu->stamp, Eigen::Vector3d(value.head<3>()));
-  } else if (const auto* attitude = std::get_if<mavlink::AttitudeSample>(&sample)) {
+  } else if (const auto* attitude = std::get_if<AttitudeSample>(&sample)) {
     append(sensors_.attitude, attitude->stamp,
            Eigen::Quaterniond(attitude->world_from_body * body_from_autopilot_.conjugate()));
-  } else if (const auto* height = std::get_if<mavlink::HeightSample>(&sample)) {
+  } else if (const auto* height = std::get_if<HeightSample>(&sample)) {
     append(sensors_.height_m, height->stamp, height->height_m + height_offset_m_);
   }
 }
 
 bool FlightEstimator::uses_attitude() const {
-  return config_.live.telemetry.attitude || has_tether();
+  return config_.live.telemetry.attitude != AttitudeMessage::none || has_tether();
 }
 
 bool FlightEstimator::is_ready(Timestamp stamp) const {
   if (pilot_) return true;
   const SensorReadings readings = readings_between(held_until(sensors_, stamp), stamp, stamp);
   const TelemetryConfig& telemetry = config_.live.telemetry;
-  const bool needs_height =
-      telemetry.height == HeightMessage::global_position ||
-      (telemetry.height == HeightMessage::distance_sensor && !config_.initial.height_m);
+  const bool needs_height = is_relative_height(telemetry.height) ||
+                            (is_range(telemetry.height) && !config_.initial.height_m);
   return (!uses_attitude() || readings.attitude) && (!needs_height || readings.height_m);
 }
 

@@ -8,6 +8,7 @@
 #include "io/dataset/flight_inputs.hpp"
 #include "live/mavlink/telemetry.hpp"
 #include "live/operator/operator_command.hpp"
+#include "live/sensors/sensor_lines.hpp"
 #include "live/tether/command_gate.hpp"
 #include "live/tether/station_lines.hpp"
 #include "navigation/hover_pilot.hpp"
@@ -24,6 +25,8 @@ class FlightEstimator {
 
   /// Adds a packet of the autopilot.
   void receive(const mavlink::Packet& packet, Timestamp arrival);
+  /// Adds the readings of a sensor line.
+  void receive(const SensorLine& line, Timestamp arrival);
   /// Adds a message of the ground station.
   void receive(const StationMessage& message, Timestamp arrival);
   /// Applies a command of an operator. Returns why it is refused; hold_here takes effect with the
@@ -54,7 +57,7 @@ class FlightEstimator {
   [[nodiscard]] const FlyConfig& config() const { return config_; }
 
  private:
-  void add(const mavlink::SensorSample& sample);
+  void add(const SensorSample& sample);
   void initialize(const Frame& first);
   void discard_before(Timestamp oldest);
   void discard_old(Timestamp arrival);
@@ -63,6 +66,7 @@ class FlightEstimator {
 
   FlyConfig config_;
   mavlink::Telemetry telemetry_;
+  SensorLineReader sensor_lines_;
   CommandGate gate_;
   Eigen::Quaterniond body_from_autopilot_;
   SensorLog sensors_;                     // last seconds

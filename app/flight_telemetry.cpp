@@ -23,6 +23,7 @@ FlightTelemetry::FlightTelemetry(const LiveConfig& live, Report report)
     autopilot_.emplace(parse_link_address(*live.mavlink, "live.mavlink"),
                        static_cast<std::uint8_t>(live.system_id), live.send.origin);
   }
+  if (live.telemetry.json) sensors_.emplace(*live.telemetry.json);
 }
 
 std::int64_t FlightTelemetry::receive(FlightEstimator& estimator, FlightRecord& record) {
@@ -34,6 +35,16 @@ std::int64_t FlightTelemetry::receive(FlightEstimator& estimator, FlightRecord& 
       const auto bytes = received.packet.raw.bytes();
       record.add_message({.arrival = received.arrival, .bytes = {bytes.begin(), bytes.end()}});
       estimator.receive(received.packet, received.arrival);
+      ++recorded;
+    }
+  }
+  if (sensors_) {
+    for (const ReceivedSensorLine& received : sensors_->take()) {
+      sensor_silence_.hear(received.arrival);
+      record.add_message({.arrival = received.arrival,
+                          .bytes = {received.text.begin(), received.text.end()},
+                          .source = MessageSource::sensors});
+      estimator.receive(received.line, received.arrival);
       ++recorded;
     }
   }
@@ -52,6 +63,12 @@ void FlightTelemetry::report_changes() {
   if (autopilot_) {
     if (const auto change = autopilot_silence_.change(now)) report_(*change);
   }
+  if (!sensors_) return;
+  if (const auto change = sensor_silence_.change(now)) report_(*change);
+  const SensorLinkCounts counts = sensors_->counts();
+  if (counts.rejected > 0 && !std::exchange(has_reported_line_, true)) {
+    report_("sensors: a line is rejected: " + counts.first_problem);
+  }
 }
 
 void FlightTelemetry::report_counts() {
@@ -60,6 +77,11 @@ void FlightTelemetry::report_counts() {
     report_(
         fmt::format("MAVLink: {} packets read, {} of other messages, {} checksum errors, {} lost",
                     packets.packets, packets.unknown, packets.checksum_errors, packets.lost));
+  }
+  if (sensors_) {
+    const SensorLinkCounts counts = sensors_->counts();
+    report_(fmt::format("sensors: {} lines read, {} rejected, {} dropped", counts.lines,
+                        counts.rejected, counts.dropped));
   }
 }
 

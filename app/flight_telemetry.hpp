@@ -10,6 +10,7 @@
 #include "live/link/autopilot_link.hpp"
 #include "live/live_config.hpp"
 #include "live/record/flight_record.hpp"
+#include "live/sensors/sensor_link.hpp"
 
 namespace stillkite {
 
@@ -29,18 +30,19 @@ class SilenceMonitor {
   bool is_silent_ = false;
 };
 
-/// Telemetry of a live flight: passes packets of the autopilot to record and estimator.
+/// Telemetry of a live flight: passes packets of the autopilot and sensor lines to record and
+/// estimator.
 class FlightTelemetry {
  public:
   using Report = std::function<void(const std::string&)>;
 
-  /// Throws InputError as AutopilotLink.
+  /// Throws InputError as AutopilotLink and SensorLink.
   FlightTelemetry(const LiveConfig& live, Report report);
 
   /// Passes what has arrived; returns the number of recorded messages.
   [[nodiscard]] std::int64_t receive(FlightEstimator& estimator, FlightRecord& record);
 
-  /// Reports a link that is silent.
+  /// Reports links that are silent, and rejected sensor lines.
   void report_changes();
   /// Reports the numbers of messages.
   void report_counts();
@@ -54,8 +56,9 @@ class FlightTelemetry {
   Report report_;
   int system_id_;
   std::optional<AutopilotLink> autopilot_;
-  SilenceMonitor autopilot_silence_{"MAVLink", "packet"};
-  bool has_reported_system_ = false;
+  std::optional<SensorLink> sensors_;
+  SilenceMonitor autopilot_silence_{"MAVLink", "packet"}, sensor_silence_{"sensors", "line"};
+  bool has_reported_system_ = false, has_reported_line_ = false;
 };
 
 }  // namespace stillkite

@@ -23,15 +23,23 @@ void check_estimator(const FlyConfig& config) {
         "fusion.solver: window needs an IMU; set live.telemetry.imu, or fusion.solver to filter");
   }
   const TelemetryConfig& telemetry = config.live.telemetry;
-  const bool uses_telemetry = telemetry.imu != ImuMessage::none || telemetry.attitude ||
-                              telemetry.height != HeightMessage::none;
-  if (uses_telemetry && !config.live.mavlink) {
+  if (telemetry.uses_mavlink() && !config.live.mavlink) {
     throw InputError("live.telemetry needs a link to the autopilot; set live.mavlink");
   }
-  if (telemetry.height == HeightMessage::global_position && !config.initial.height_m) {
+  if (telemetry.uses_json() && !telemetry.json) {
     throw InputError(
-        "live.telemetry.height: GLOBAL_POSITION_INT is a relative height; set initial.height_m "
-        "too");
+        "live.telemetry needs the sensor lines' port; set live.telemetry.json, for example "
+        "udp://:14600");
+  }
+  if (telemetry.json && !telemetry.uses_json()) {
+    throw InputError(
+        "live.telemetry.json: no sensor of it is used; set live.telemetry.imu or attitude to JSON, "
+        "or height to JSON_RANGE or JSON_HEIGHT");
+  }
+  if (is_relative_height(telemetry.height) && !config.initial.height_m) {
+    throw InputError(
+        fmt::format("live.telemetry.height: {} is a relative height; set initial.height_m too",
+                    name_of(telemetry.height)));
   }
 }
 
@@ -51,9 +59,9 @@ void check_tether(const FlyConfig& config) {
     if (!live.operator_source) return;
     throw InputError("live.operator needs a ground station; set live.tether.port");
   }
-  if (live.telemetry.attitude) {
+  if (live.telemetry.attitude != AttitudeMessage::none) {
     throw InputError(
-        "live.telemetry.attitude: the ground station's !Attitude is used; set it to false");
+        "live.telemetry.attitude: the ground station's !Attitude is used; set it to none");
   }
   const VehicleLimits& limits = config.hold.limits;
   check_rate(limits.elevation_rate_rad_s, kStationElevationRate_rad_s, "elevation_rate_rad_s");

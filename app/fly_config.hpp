@@ -11,14 +11,14 @@
 
 namespace stillkite {
 
-/// IMU of the autopilot.
+/// IMU of a live flight.
 struct FlyImuConfig {
   std::optional<std::array<double, 4>> rotation_wxyz;
   ImuNoiseConfig noise;
 
   static void fields(auto& self, auto&& field) {
     field("rotation_wxyz", self.rotation_wxyz,
-          "quaternion of our body from the autopilot's, both forward, left, up; default: the same");
+          "quaternion of our body from the sensors', both forward, left, up; default: the same");
     field("noise", self.noise, "noise densities of the IMU");
   }
 };
@@ -40,7 +40,7 @@ struct FlyConfig {
     field("calibration", self.calibration, "camera intrinsics and mask");
     field("mount", self.mount, "camera extrinsics: body from camera");
     field("initial", self.initial, "initial pose and height");
-    field("imu", self.imu, "IMU of the autopilot, see live.telemetry.imu");
+    field("imu", self.imu, "IMU of the autopilot or of sensor lines, see live.telemetry.imu");
     field("estimator", self.estimator, "estimator selection");
     field("navigator", self.navigator, "flow navigator");
     field("reference", self.navigator.reference, "relative pose to a reference image");

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "app/fly_config.hpp"
+#include "live/link/line_splitter.hpp"
 #include "live/link/port.hpp"
 #include "live/link/pseudo_terminal.hpp"
 #include "live/mavlink/packet.hpp"

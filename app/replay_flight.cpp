@@ -51,6 +51,11 @@ void receive(FlightEstimator& estimator, mavlink::Parser& parser,
       case MessageSource::station:
         if (const auto line = parse_station_line(text)) estimator.receive(*line, message.arrival);
         break;
+      case MessageSource::sensors:
+        if (const auto parsed = parse_sensor_line(text); parsed.line) {
+          estimator.receive(*parsed.line, message.arrival);
+        }
+        break;
       case MessageSource::operator_command:
         if (const auto command = parse_operator_command(text, message.arrival)) {
           static_cast<void>(estimator.receive(*command));  // refused as in flight

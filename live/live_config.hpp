@@ -11,8 +11,8 @@
 
 namespace stillkite {
 
-/// MAVLink message that carries the IMU.
-enum class ImuMessage { none, highres, scaled, scaled2, scaled3, raw };
+/// Message that carries the IMU: of MAVLink, or a JSON line.
+enum class ImuMessage { none, highres, scaled, scaled2, scaled3, raw, json };
 template <>
 struct EnumNames<ImuMessage> {
   static constexpr auto value =
@@ -21,30 +21,69 @@ struct EnumNames<ImuMessage> {
                                                               {ImuMessage::scaled, "SCALED_IMU"},
                                                               {ImuMessage::scaled2, "SCALED_IMU2"},
                                                               {ImuMessage::scaled3, "SCALED_IMU3"},
-                                                              {ImuMessage::raw, "RAW_IMU"}});
+                                                              {ImuMessage::raw, "RAW_IMU"},
+                                                              {ImuMessage::json, "JSON"}});
 };
 
-/// MAVLink message that carries the height.
-enum class HeightMessage { none, distance_sensor, global_position };
+/// Message that carries the attitude.
+enum class AttitudeMessage { none, quaternion, json };
+template <>
+struct EnumNames<AttitudeMessage> {
+  // false and true: records of earlier versions
+  static constexpr auto value = std::to_array<std::pair<AttitudeMessage, std::string_view>>(
+      {{AttitudeMessage::none, "none"},
+       {AttitudeMessage::quaternion, "ATTITUDE_QUATERNION"},
+       {AttitudeMessage::json, "JSON"},
+       {AttitudeMessage::none, "false"},
+       {AttitudeMessage::quaternion, "true"}});
+};
+
+/// Message that carries the height.
+enum class HeightMessage { none, distance_sensor, global_position, json_range, json_height };
 template <>
 struct EnumNames<HeightMessage> {
   static constexpr auto value = std::to_array<std::pair<HeightMessage, std::string_view>>(
       {{HeightMessage::none, "none"},
        {HeightMessage::distance_sensor, "DISTANCE_SENSOR"},
-       {HeightMessage::global_position, "GLOBAL_POSITION_INT"}});
+       {HeightMessage::global_position, "GLOBAL_POSITION_INT"},
+       {HeightMessage::json_range, "JSON_RANGE"},
+       {HeightMessage::json_height, "JSON_HEIGHT"}});
 };
+
+/// Distance of a range finder that looks down.
+[[nodiscard]] constexpr bool is_range(HeightMessage message) {
+  return message == HeightMessage::distance_sensor || message == HeightMessage::json_range;
+}
+/// Height relative to an unknown one, as of a barometer.
+[[nodiscard]] constexpr bool is_relative_height(HeightMessage message) {
+  return message == HeightMessage::global_position || message == HeightMessage::json_height;
+}
 
 /// Telemetry that the estimator uses.
 struct TelemetryConfig {
   ImuMessage imu = ImuMessage::none;
-  bool attitude = false;
+  AttitudeMessage attitude = AttitudeMessage::none;
   HeightMessage height = HeightMessage::none;
+  std::optional<std::string> json;
+
+  [[nodiscard]] bool uses_json() const {
+    return imu == ImuMessage::json || attitude == AttitudeMessage::json ||
+           height == HeightMessage::json_range || height == HeightMessage::json_height;
+  }
+  [[nodiscard]] bool uses_mavlink() const {
+    return (imu != ImuMessage::none && imu != ImuMessage::json) ||
+           attitude == AttitudeMessage::quaternion || height == HeightMessage::distance_sensor ||
+           height == HeightMessage::global_position;
+  }
 
   static void fields(auto& self, auto&& field) {
-    field("imu", self.imu, "message of the IMU");
-    field("attitude", self.attitude, "use ATTITUDE_QUATERNION");
+    field("imu", self.imu, "message of the IMU; JSON: lines of live.telemetry.json");
+    field("attitude", self.attitude, "message of the attitude");
     field("height", self.height,
-          "message of the height: range finder that looks down, or relative_alt as a barometer");
+          "message of the height: range finder that looks down (DISTANCE_SENSOR, JSON_RANGE), or "
+          "relative height as a barometer (relative_alt, JSON_HEIGHT)");
+    field("json", self.json,
+          "sensor readings as JSON lines: udp://:PORT (listens) or serial:DEVICE:BAUD");
   }
 };
 

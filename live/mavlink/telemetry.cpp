@@ -61,17 +61,11 @@ std::optional<RawSample> imu_of(const Packet& packet, ImuMessage kind) {
       return scaled_imu<ScaledImu3>(packet);
     case ImuMessage::raw:
       return raw_imu(packet);
+    case ImuMessage::json:
     case ImuMessage::none:
       break;
   }
   return std::nullopt;
-}
-
-// True and stored if the stamp is newer than the last one.
-bool is_newer(Timestamp stamp, std::optional<Timestamp>& last) {
-  if (last && stamp <= *last) return false;
-  last = stamp;
-  return true;
 }
 
 }  // namespace
@@ -110,7 +104,7 @@ std::optional<SensorSample> Telemetry::read_imu(const Packet& packet, Timestamp 
 }
 
 std::optional<SensorSample> Telemetry::read_attitude(const Packet& packet, Timestamp arrival) {
-  if (!config_.attitude) return std::nullopt;
+  if (config_.attitude != AttitudeMessage::quaternion) return std::nullopt;
   const auto message = decode<AttitudeQuaternion>(packet);
   if (!message) return std::nullopt;
   const Eigen::Quaterniond q(message->q1, message->q2, message->q3, message->q4);

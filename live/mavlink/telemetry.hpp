@@ -1,36 +1,16 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
-#include <variant>
 
 #include "live/clock/clock_map.hpp"
 #include "live/live_config.hpp"
 #include "live/mavlink/packet.hpp"
+#include "live/sensor_samples.hpp"
 
 namespace stillkite::mavlink {
 
 inline constexpr std::uint8_t kAutopilot = 1;  ///< MAV_COMP_ID_AUTOPILOT1
-
-// Sensor readings in the body's axes (forward, left, up), on the local clock.
-
-struct ImuSample {
-  Timestamp stamp;
-  Eigen::Vector3d angular_rate_in_body_rad_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d specific_force_in_body_m_s2 = Eigen::Vector3d::Zero();
-};
-struct AttitudeSample {
-  Timestamp stamp;
-  Eigen::Quaterniond world_from_body = Eigen::Quaterniond::Identity();  ///< world: north, west, up
-};
-/// Distance along the body's -z for DISTANCE_SENSOR, relative height for GLOBAL_POSITION_INT.
-struct HeightSample {
-  Timestamp stamp;
-  double height_m = 0;
-};
-using SensorSample = std::variant<ImuSample, AttitudeSample, HeightSample>;
 
 /// Reads the sensor messages of one autopilot, component 1 of its system. Gimbals, other vehicles
 /// and ground stations on the link are ignored. Stamps are mapped to the local clock by the

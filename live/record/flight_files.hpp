@@ -40,13 +40,14 @@ struct EnumNames<FrameOutcome> {
 };
 
 /// Origin of a message.
-enum class MessageSource { mavlink, station, operator_command };
+enum class MessageSource { mavlink, station, operator_command, sensors };
 template <>
 struct EnumNames<MessageSource> {
   static constexpr auto value = std::to_array<std::pair<MessageSource, std::string_view>>(
       {{MessageSource::mavlink, "mavlink"},
        {MessageSource::station, "station"},
-       {MessageSource::operator_command, "operator"}});
+       {MessageSource::operator_command, "operator"},
+       {MessageSource::sensors, "sensors"}});
 };
 
 /// Opening of the video source: decoder parameters of the packets that follow.

@@ -5,15 +5,11 @@
 #include <cmath>
 #include <numbers>
 #include <type_traits>
-#include <utility>
 
 #include "live/tether/number_fields.hpp"
 
 namespace stillkite {
 namespace {
-
-constexpr std::size_t kMaxLine_bytes = 256;
-constexpr std::string_view kLineEnds = "\r\n";
 
 // Whole number of a field within [0, max].
 std::optional<std::uint32_t> whole(double value, double max) {
@@ -99,23 +95,6 @@ std::string station_line(const StationMessage& message) {
         }
       },
       message);
-}
-
-std::optional<std::string> LineSplitter::next() {
-  while (true) {
-    const std::size_t end = waiting_.find_first_of(kLineEnds);
-    if (end == std::string::npos) {
-      if (waiting_.size() > kMaxLine_bytes) {
-        waiting_.clear();
-        is_overlong_ = true;
-      }
-      return std::nullopt;
-    }
-    std::string line = waiting_.substr(0, end);
-    waiting_.erase(0, end + 1);
-    const bool is_rest = std::exchange(is_overlong_, false);
-    if (!line.empty() && !is_rest && line.size() <= kMaxLine_bytes) return line;
-  }
 }
 
 }  // namespace stillkite

@@ -50,17 +50,4 @@ using StationMessage = std::variant<StationStatus, DroneAttitude, DronePosition,
 /// Line with its end, as the ground station sends it.
 [[nodiscard]] std::string station_line(const StationMessage& message);
 
-/// Splits a stream of bytes into lines. Lines longer than 256 bytes are dropped.
-class LineSplitter {
- public:
-  void add(std::span<const char> bytes) { waiting_.append(bytes.data(), bytes.size()); }
-
-  /// Next complete line without its end; empty lines are skipped. nullopt until its end arrives.
-  [[nodiscard]] std::optional<std::string> next();
-
- private:
-  std::string waiting_;
-  bool is_overlong_ = false;
-};
-
 }  // namespace stillkite

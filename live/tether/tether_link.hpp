@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "geometry/time.hpp"
+#include "live/link/line_splitter.hpp"
 #include "live/link/link_address.hpp"
-#include "live/tether/station_lines.hpp"
 #include "live/tether/watchdog.hpp"
 #include "live/tether_config.hpp"
 

@@ -75,8 +75,9 @@ DistanceSensor range_of(double distance_m) {
 }
 
 TEST(FlightEstimator, IsReadyOnceTheInitialStateHasArrived) {
-  FlightEstimator estimator(
-      config_with({.attitude = true, .height = HeightMessage::distance_sensor}, std::nullopt));
+  FlightEstimator estimator(config_with(
+      {.attitude = AttitudeMessage::quaternion, .height = HeightMessage::distance_sensor},
+      std::nullopt));
   EXPECT_FALSE(estimator.is_ready(at_ms(50)));
   receive(estimator, range_of(12), 0);
   receive(estimator, range_of(12), 100);
@@ -91,6 +92,28 @@ TEST(FlightEstimator, IsReadyOnceTheInitialStateHasArrived) {
   EXPECT_EQ(first.scale, ScaleSource::range);
   EXPECT_NEAR(first.world_from_body.translation.z(), 12 * std::cos(0.1), 1e-4);
   EXPECT_NEAR(to_euler(first.world_from_body.rotation).pitch_rad, -0.1, 1e-6);
+}
+
+TEST(FlightEstimator, SensorLinesAreTelemetry) {
+  FlightEstimator estimator(config_with({.imu = ImuMessage::json,
+                                         .attitude = AttitudeMessage::json,
+                                         .height = HeightMessage::json_range,
+                                         .json = "udp://:14600"},
+                                        std::nullopt));
+  const SensorLine nose_up{
+      .imu = SensorLine::Imu{.angular_rate_in_body_rad_s = Eigen::Vector3d::Zero(),
+                             .specific_force_in_body_m_s2 = Eigen::Vector3d(0, 0, 9.81)},
+      .world_from_body = Eigen::Quaterniond(Eigen::AngleAxisd(-0.1, Eigen::Vector3d::UnitY())),
+      .range_m = 12};
+  EXPECT_FALSE(estimator.is_ready(at_ms(50)));
+  for (const int t_ms : {0, 20, 40, 60}) estimator.receive(nose_up, at_ms(t_ms));
+  ASSERT_TRUE(estimator.is_ready(at_ms(50)));
+  EXPECT_TRUE(estimator.has_telemetry_until(at_ms(60)));
+  EXPECT_FALSE(estimator.has_telemetry_until(at_ms(61)));
+  const NavigationEstimate first = estimator.step(frame_at(50), at_ms(50)).estimate;
+  EXPECT_EQ(first.scale, ScaleSource::range);
+  EXPECT_NEAR(first.world_from_body.translation.z(), 12 * std::cos(0.1), 1e-9);
+  EXPECT_NEAR(to_euler(first.world_from_body.rotation).pitch_rad, -0.1, 1e-9);
 }
 
 TEST(FlightEstimator, BarometerIsAlignedToTheInitialHeight) {

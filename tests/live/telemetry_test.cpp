@@ -55,7 +55,7 @@ TEST(Telemetry, ReadsOnlyTheConfiguredMessage) {
 }
 
 TEST(Telemetry, ReadsAttitudeInForwardLeftUpAxes) {
-  Telemetry telemetry({.attitude = true}, 1);
+  Telemetry telemetry({.attitude = AttitudeMessage::quaternion}, 1);
   const float c = std::cos(0.1f), s = std::sin(0.1f);
   const auto nose_up =
       telemetry.read(packet_of(AttitudeQuaternion{.time_boot_ms = 1, .q1 = c, .q3 = s}), kArrival);
@@ -101,7 +101,7 @@ TEST(Telemetry, RejectsReadingsThatAreNotFinite) {
 }
 
 TEST(Telemetry, IgnoresOtherSystemsAndComponents) {
-  Telemetry telemetry({.attitude = true}, 1);
+  Telemetry telemetry({.attitude = AttitudeMessage::quaternion}, 1);
   const AttitudeQuaternion level{.q1 = 1};
   constexpr std::uint8_t kGimbal = 154;
   EXPECT_FALSE(telemetry.read(packet_of(level, {.system = 1, .component = kGimbal}), kArrival));

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "live/link/line_splitter.hpp"
 #include "live/tether/command_lines.hpp"
 #include "live/tether/station_lines.hpp"
 

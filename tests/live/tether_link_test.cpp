@@ -16,8 +16,10 @@
 
 #include "geometry/fields.hpp"
 #include "live/clock/local_clock.hpp"
+#include "live/link/line_splitter.hpp"
 #include "live/link/pseudo_terminal.hpp"
 #include "live/tether/command_lines.hpp"
+#include "live/tether/station_lines.hpp"
 
 namespace stillkite {
 namespace {

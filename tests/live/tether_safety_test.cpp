@@ -225,7 +225,8 @@ TEST(OperatorCommand, IsRestoredFromItsLine) {
                            R"({"command": "mark", "note": 1})", R"({"command": "engage")"}) {
     EXPECT_FALSE(parse_operator_command(text, {0})) << text;
   }
-  EXPECT_FALSE(parse_operator_command(std::string(2000, ' ') + R"({"command": "mark"})", {0}));
+  EXPECT_FALSE(
+      parse_operator_command(std::string(2000, ' ').append(R"({"command": "mark"})"), {0}));
 }
 
 TEST(OperatorQueue, KeepsStopsWhenItIsFull) {
