@@ -29,6 +29,9 @@ function(stillkite_compile_options TARGET)
                                             -fno-omit-frame-pointer)
     target_link_options(${TARGET} PUBLIC -fsanitize=address,undefined)
   endif()
+  if(STILLKITE_FUZZ)  # coverage for libFuzzer; its main function only in the fuzz targets
+    target_compile_options(${TARGET} PUBLIC -fsanitize=fuzzer-no-link)
+  endif()
 endfunction()
 
 # stillkite_test(NAME SOURCES ... LINK ... [SLOW filter ...]): one GoogleTest program, its cases found
