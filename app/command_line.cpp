@@ -43,6 +43,7 @@ ExitCode parse_and_run(int argc, char** argv, const std::string& version) {
 
   add_run(app);
   add_fly(app);
+  add_replay(app);
   add_simulate(app);
   add_evaluate(app);
   add_compare(app);

@@ -12,6 +12,7 @@ namespace stillkite {
 
 void add_run(CLI::App& app);
 void add_fly(CLI::App& app);
+void add_replay(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_compare(CLI::App& app);

@@ -50,6 +50,10 @@ void add_image_alarms(const PageState& state, Timestamp now, std::vector<std::st
     return;
   }
   const PageSnapshot& newest = *state.newest;
+  if (state.status.replay && state.status.replay->has_ended) {
+    alarms.emplace_back("End of the record");
+    return;
+  }
   const double age_s = seconds_between(newest.estimated, now);
   if (age_s > kMaxImageAge_s) {
     alarms.push_back(fmt::format("No image for {:.0f} s", age_s));

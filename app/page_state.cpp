@@ -71,6 +71,13 @@ json control_json(const PageState& state) {
   return out;
 }
 
+json replay_json(const FlightStatus& status) {
+  if (!status.replay) return nullptr;
+  return {{"speed", status.replay->speed},
+          {"time_s", status.replay->time_s},
+          {"ended", status.replay->has_ended}};
+}
+
 json samples_json(const std::vector<HistorySample>& samples, std::int64_t after, Timestamp now) {
   json out = json::array();
   for (const HistorySample& sample : samples) {
@@ -109,6 +116,7 @@ json page_json(const PageState& state, Timestamp now, std::int64_t after) {
   return {{"flight", state.flight},
           {"estimate", state.newest ? estimate_json_of(*state.newest, now) : json(nullptr)},
           {"control", control_json(state)},
+          {"replay", replay_json(state.status)},
           {"alarms", flight_alarms(state, now)},
           {"messages", messages},
           {"images",

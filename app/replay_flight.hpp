@@ -6,9 +6,6 @@
 
 namespace stillkite {
 
-/// True for the folder of a flight that `stillkite fly` has recorded.
-[[nodiscard]] bool is_flight_record(const std::filesystem::path& path);
-
 struct ReplayArguments {
   std::filesystem::path record;
   std::vector<std::string> overrides;

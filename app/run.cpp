@@ -9,6 +9,7 @@
 #include "app/estimator_run.hpp"
 #include "app/interrupt.hpp"
 #include "app/options.hpp"
+#include "app/recorded_flight.hpp"
 #include "app/replay_flight.hpp"
 #include "app/results_folder.hpp"
 #include "app/run_results.hpp"

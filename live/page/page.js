@@ -100,8 +100,13 @@ function showMessages(messages) {
   }));
 }
 
-function showControl(state) {
-  byId('control').hidden = !state;
+function showReplay(replay) {
+  byId('replay').hidden = !replay;
+  if (replay) byId('replay').textContent = `replay ${duration(replay.time_s)}${replay.speed === 1 ? '' : ` × ${replay.speed}`}`;
+}
+
+function showControl(state, isReplay) {
+  byId('control').hidden = !state || isReplay;
   byId('control-state').hidden = !state;
   if (!state) return;
   const pill = byId('control-state');
@@ -131,7 +136,8 @@ function showState({control: holder, flight}) {
   showEstimate(flight.estimate);
   showAlarms(flight.alarms);
   showMessages(flight.messages);
-  showControl(flight.control);
+  showControl(flight.control, flight.replay !== null);
+  showReplay(flight.replay);
   setValue('rate', flight.images.used_per_s, 0, '/s');
   const ratio = flight.images.dropped_ratio;
   byId('dropped').textContent = isNumber(ratio) ? `${(100 * ratio).toFixed(0)} % dropped` : '';

@@ -12,8 +12,7 @@ FlightReplay::FlightReplay(const std::filesystem::path& folder, GreyOf grey_of)
       frames_(read_frames(folder)),
       messages_(read_messages(folder)),
       video_(folder / kVideoFile, std::ios::binary) {
-  std::erase_if(frames_,
-                [](const RecordedFrame& frame) { return frame.outcome != FrameOutcome::used; });
+  select_used_frames();
   if (!video_) throw InputError((folder / kVideoFile).string() + ": cannot be read");
   for (const RecordedPacket& packet : packets_) {
     const bool has_session =
@@ -23,8 +22,26 @@ FlightReplay::FlightReplay(const std::filesystem::path& folder, GreyOf grey_of)
   }
 }
 
+// Rows of replaced and used images are written by two threads: not in the order of their index.
+void FlightReplay::select_used_frames() {
+  std::ranges::stable_sort(frames_, {}, &RecordedFrame::index);
+  std::vector<RecordedFrame> used;
+  CaptureCounts counts;
+  for (const RecordedFrame& frame : std::exchange(frames_, {})) {
+    counts.decoded = frame.index + 1;
+    if (frame.outcome == FrameOutcome::used) {
+      used.push_back(frame);
+      counts_.push_back(counts);
+    } else {
+      ++(frame.outcome == FrameOutcome::replaced ? counts.replaced : counts.rejected);
+    }
+  }
+  frames_ = std::move(used);
+}
+
 std::optional<ReplayedFrame> FlightReplay::next() {
   if (next_frame_ == frames_.size()) return std::nullopt;
+  const CaptureCounts& images = counts_[next_frame_];
   const RecordedFrame& row = frames_[next_frame_++];
   while (const AVFrame* image = decode_next()) {
     if (decoded_++ < row.index) continue;
@@ -37,6 +54,7 @@ std::optional<ReplayedFrame> FlightReplay::next() {
                                    .stamp_sigma_s = row.stamp_sigma_s,
                                    .recorded_stamp = row.stamp},
                          .decision = row.decision,
+                         .images = images,
                          .telemetry = messages_until(row.telemetry)};
   }
   return std::nullopt;

@@ -9,16 +9,18 @@
 
 #include "flow/frame.hpp"
 #include "flow/image_pool.hpp"
+#include "live/capture_counts.hpp"
 #include "live/record/flight_files.hpp"
 #include "live/video/packet_decoder.hpp"
 
 namespace stillkite {
 
-/// Frame that the estimator used in flight, its time, and the messages that it had received since
-/// the previous one.
+/// Frame that the estimator used in flight, its time, the numbers of images up to it, and the
+/// messages that the estimator had received since the previous one.
 struct ReplayedFrame {
   Frame frame;
   Timestamp decision;
+  CaptureCounts images;
   std::vector<RecordedMessage> telemetry;
 };
 
@@ -37,6 +39,7 @@ class FlightReplay {
   [[nodiscard]] std::int64_t frames() const { return static_cast<std::int64_t>(frames_.size()); }
 
  private:
+  void select_used_frames();
   const AVFrame* decode_next();
   bool send_packet();
   std::vector<RecordedMessage> messages_until(std::int64_t count);
@@ -45,6 +48,7 @@ class FlightReplay {
   std::vector<RecordedSession> sessions_;
   std::vector<RecordedPacket> packets_;
   std::vector<RecordedFrame> frames_;  // used ones
+  std::vector<CaptureCounts> counts_;  // up to each of them
   std::vector<RecordedMessage> messages_;
   std::ifstream video_;
   std::size_t next_packet_ = 0, next_frame_ = 0, next_message_ = 0;

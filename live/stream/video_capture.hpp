@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "flow/frame.hpp"
 #include "flow/image_pool.hpp"
+#include "live/capture_counts.hpp"
 #include "live/clock/clock_map.hpp"
 #include "live/record/flight_record.hpp"
 #include "live/stream/mailbox.hpp"
@@ -22,14 +22,6 @@ namespace stillkite {
 struct CapturedFrame {
   Frame frame;
   Timestamp arrival;
-};
-
-/// Counts of decoded images.
-struct CaptureCounts {
-  std::int64_t decoded = 0;
-  std::int64_t replaced = 0;  ///< dropped: a newer one was decoded before the estimator was free
-  std::int64_t rejected = 0;  ///< damaged, out of order, of another size, or while settling
-  std::int64_t sessions = 0;  ///< openings of the source
 };
 
 /// Captures a live video on its own thread: decodes every image and keeps only the newest. Opens

@@ -1,6 +1,7 @@
 #!/bin/bash
 # Live flight over UDP on this machine, with sensor lines: the sender of the video starts late, is
-# silent for two seconds, and the process is killed. The record reproduces every estimate.
+# silent for two seconds, and the process is killed. The record reproduces every estimate, and the page
+# shows it.
 # usage: fly_test.sh STILLKITE VIDEO CALIBRATION OUT
 set -u
 stillkite=$1 video=$2 calibration=$3 out=$4
@@ -57,4 +58,37 @@ grep -q ",range," "$out/again/estimates.csv" || fail "the range finder is not us
 [ "$(grep -c ",sensors$" "$out/flight/telemetry.csv")" -gt 100 ] || fail "sensor lines are missing"
 diff <(without_times "$out/flight/estimates.csv") <(without_times "$out/again/estimates.csv") ||
   fail "estimates from the record differ"
+# the record on the page: commands are refused, the flight ends
+"$stillkite" replay "$out/flight" --listen 127.0.0.1:38633 --speed 50 2> "$out/messages" &
+replay=$!
+trap 'kill $sensors $replay' EXIT
+python3 - 38633 << 'END' || fail "the replay is not shown"
+import json, sys, time, urllib.error, urllib.request
+def request(path, body=None):
+    url = f"http://127.0.0.1:{sys.argv[1]}{path}"
+    return urllib.request.urlopen(urllib.request.Request(url, body, {"X-Operator": "0" * 32}), timeout=3)
+for _ in range(200):
+    time.sleep(0.1)
+    try:
+        flight = json.load(request("/state"))["flight"]
+    except urllib.error.URLError:
+        continue  # not started
+    if flight["replay"] and flight["replay"]["ended"]:
+        break
+assert flight["replay"]["ended"] and flight["replay"]["speed"] == 50, flight["replay"]
+assert flight["estimate"]["scale"]["source"] == "range", flight["estimate"]
+assert flight["estimate"]["latency_ms"] is None, flight["estimate"]
+assert "End of the record" in flight["alarms"], flight["alarms"]
+assert request("/image").status == 200
+for path in ("/take_control", "/command"):
+    try:
+        request(path, b'{"command": "engage"}')
+        raise SystemExit(f"{path} is accepted")
+    except urllib.error.HTTPError as error:
+        assert error.code == 409, error
+END
+kill -TERM $replay
+wait $replay
+[ $? -eq 130 ] || fail "exit status of an ended replay"
+trap 'kill $sensors' EXIT
 exit 0

@@ -120,6 +120,20 @@ std::vector<std::string> alarms_of(const PageSnapshot& snapshot, const FlightSta
                        from_seconds(now_s));
 }
 
+TEST(PageState, ReplayHasItsTimeAndNoAlarmAtItsEnd) {
+  const Timestamp now{100'000'000'000};
+  PageState state;
+  state.newest = std::make_shared<const PageSnapshot>(snapshot_at({now.ns - 5'000'000'000}));
+  EXPECT_TRUE(page_json(state, now, -1)["replay"].is_null());
+  EXPECT_EQ(flight_alarms(state, now).at(0), "No image for 5 s");
+  state.status.replay = FlightStatus::Replay{.speed = 4, .time_s = 12.5, .has_ended = true};
+  const nlohmann::json replay = page_json(state, now, -1)["replay"];
+  EXPECT_EQ(replay["speed"], 4);
+  EXPECT_EQ(replay["time_s"], 12.5);
+  EXPECT_EQ(replay["ended"], true);
+  EXPECT_EQ(flight_alarms(state, now), std::vector<std::string>{"End of the record"});
+}
+
 TEST(FlightAlarms, AreEmptyInAMeasuredFlight) {
   PageSnapshot snapshot = snapshot_at(from_seconds(10));
   EXPECT_TRUE(alarms_of(snapshot, {.has_station = true}).empty());

@@ -129,6 +129,21 @@ TEST_F(FlightPageInBrowser, ShowsAlarmsInWords) {
   expect_no_errors();
 }
 
+TEST_F(FlightPageInBrowser, ReplayHasItsTimeAndNoButtons) {
+  const SyntheticFlightPage flight([](PageSnapshot& snapshot, FlightStatus& status) {
+    snapshot.latency_s = std::nan("");
+    status.is_engaged = true;
+    status.replay = FlightStatus::Replay{.speed = 4, .time_s = 75, .has_ended = false};
+  });
+  session->open(flight.url(), 390);
+  EXPECT_TRUE(session->wait_until(text_is("replay", "replay 1 min 15 s × 4")));
+  EXPECT_TRUE(session->wait_until(text_is("control-state", "engaged")));
+  EXPECT_EQ(session->evaluate("document.getElementById('control').hidden"), true);
+  EXPECT_EQ(session->evaluate("document.getElementById('take').offsetWidth"), 0);
+  EXPECT_EQ(session->evaluate("document.getElementById('latency').textContent"), "–");
+  expect_no_errors();
+}
+
 TEST_F(FlightPageInBrowser, ButtonsCommandOnceControlIsTaken) {
   for (const int width_px : {390, 1300}) {
     SyntheticFlightPage flight;
