@@ -51,12 +51,16 @@ kill -9 $pid
 wait $pid 2> /dev/null
 "$stillkite" run "$out/flight" --out "$out/again" > /dev/null || fail "the record cannot be read"
 # all columns but the times of the stages, which are the last four
-without_times() { sed -E 's/(,[^,]*){4}$//' "$1"; }
+without_times() { sed -E 's/(,[^,]*){4}$//'; }
 rows=$(($(wc -l < "$out/again/estimates.csv")))
 [ "$rows" -gt 10 ] || fail "only $rows rows from the record"
 grep -q ",range," "$out/again/estimates.csv" || fail "the range finder is not used"
 [ "$(grep -c ",sensors$" "$out/flight/telemetry.csv")" -gt 100 ] || fail "sensor lines are missing"
-diff <(without_times "$out/flight/estimates.csv") <(without_times "$out/again/estimates.csv") ||
+# killed between the row of an image and its estimate, the record has one image more
+recorded=$(wc -l < "$out/flight/estimates.csv")
+[ $((rows - recorded)) -le 1 ] || fail "$recorded rows in flight, $rows from the record"
+diff <(head -n "$recorded" "$out/flight/estimates.csv" | without_times) \
+  <(head -n "$recorded" "$out/again/estimates.csv" | without_times) ||
   fail "estimates from the record differ"
 # the record on the page: commands are refused, the flight ends
 "$stillkite" replay "$out/flight" --listen 127.0.0.1:38633 --speed 50 2> "$out/messages" &
