@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "simulation/flight/flight_camera.hpp"
 #include "simulation/flight/flight_check.hpp"
 #include "simulation/flight/flight_streams.hpp"
 #include "simulation/random.hpp"
@@ -94,19 +93,25 @@ FlightRecord record_flight(const SimulationConfig& config) {
   return record;
 }
 
+FlightImages::FlightImages(const SimulationConfig& config, const cv::Mat& photograph)
+    : config_(std::make_unique<const SimulationConfig>(config)),
+      camera_(*config_, photograph),
+      stamps_(recorded_image_stamps(*config_)) {}
+
+Frame FlightImages::render(std::int64_t index) const {
+  const std::uint64_t noise_seed = flight_seed(config_->seed, FlightStream::noise);
+  const IrradianceSum irradiance = camera_.expose(time_of(*config_, index));
+  const Exposure exposure = config_->camera.exposure(gain_at(*config_, index) / irradiance.images);
+  return {
+      .stamp = stamps_[index],
+      .index = index,
+      .grey = develop(irradiance.sum, exposure, noise_seed + static_cast<std::uint64_t>(index))};
+}
+
 void render_flight(const SimulationConfig& config, const cv::Mat& photograph,
                    const FrameSink& sink) {
-  const FlightCamera camera(config, photograph);
-  const std::uint64_t noise_seed = flight_seed(config.seed, FlightStream::noise);
-  const std::vector<Timestamp> stamps = recorded_image_stamps(config);
-  for (std::int64_t frame = 0; frame < frame_count(config); ++frame) {
-    const IrradianceSum irradiance = camera.expose(time_of(config, frame));
-    const Exposure exposure = config.camera.exposure(gain_at(config, frame) / irradiance.images);
-    sink({.stamp = stamps[frame],
-          .index = frame,
-          .grey =
-              develop(irradiance.sum, exposure, noise_seed + static_cast<std::uint64_t>(frame))});
-  }
+  const FlightImages images(config, photograph);
+  for (std::int64_t index = 0; index < images.count(); ++index) sink(images.render(index));
 }
 
 }  // namespace stillkite

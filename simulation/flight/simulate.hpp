@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "estimation/twist.hpp"
 #include "flow/frame.hpp"
+#include "simulation/flight/flight_camera.hpp"
 #include "simulation/flight/sensors.hpp"
 #include "simulation/flight/simulation_config.hpp"
 #include "simulation/flight/trajectory.hpp"
@@ -31,11 +34,28 @@ struct FlightRecord {
 /// Simulates ground truth and sensors. Throws InputError for an inconsistent configuration.
 [[nodiscard]] FlightRecord record_flight(const SimulationConfig& config);
 
+/// Images of a flight, in any order. `photograph`: CV_8UC1 ground texture, or empty for a
+/// procedural one.
+class FlightImages {
+ public:
+  FlightImages(const SimulationConfig& config, const cv::Mat& photograph);
+
+  [[nodiscard]] std::int64_t count() const { return static_cast<std::int64_t>(stamps_.size()); }
+  [[nodiscard]] const std::vector<Timestamp>& stamps() const { return stamps_; }
+
+  /// Precondition: 0 <= index < count().
+  [[nodiscard]] Frame render(std::int64_t index) const;
+
+ private:
+  std::unique_ptr<const SimulationConfig> config_;  // the camera refers to it
+  FlightCamera camera_;
+  std::vector<Timestamp> stamps_;
+};
+
 /// Receives the frames in order; an exception ends the simulation.
 using FrameSink = std::function<void(const Frame&)>;
 
-/// Renders the images of the flight. `photograph`: CV_8UC1 ground texture, or empty for a
-/// procedural one.
+/// Renders all images of the flight; `photograph` as for FlightImages.
 void render_flight(const SimulationConfig& config, const cv::Mat& photograph,
                    const FrameSink& sink);
 
