@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,9 +49,11 @@ cv::Mat photograph_of(const SimulationConfig& config, const std::optional<py::ar
   }
   if (!photograph) return {};
   const ImageView view = image_view(*photograph, "photograph");
-  const cv::Mat shared(view.height, view.width, CV_8UC1, const_cast<std::uint8_t*>(view.data),
-                       static_cast<std::size_t>(view.stride));
-  return shared.clone();
+  cv::Mat pixels(view.height, view.width, CV_8UC1);
+  for (int row = 0; row < view.height; ++row) {
+    std::copy_n(view.data + row * view.stride, view.width, pixels.ptr(row));
+  }
+  return pixels;
 }
 
 std::unique_ptr<SimulatedFlight> make_flight(const py::object& source,
