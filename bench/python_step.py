@@ -4,7 +4,8 @@
   bench/python_step.py [--passes 15] [POLICY...]
 
 Both programs keep the images in memory and alternate: each pass is a flight by a new navigator. The
-ratio is the median over the passes of Python / C++. Needs the targets stillkite_python and
+time of a step is its minimum over the passes, against other load; the times are means over the
+images. Needs the targets stillkite_python and
 navigator_reference.
 """
 
@@ -34,13 +35,14 @@ class PythonFlight:
             for i in range(len(self.flight))]
 
     def pass_ns(self):
-        flight = self.flight
+        flight, times_ns = self.flight, []
         navigator = stillkite.Navigator(
             flight.camera, flight.body_from_camera, flight.initial, self.config)
-        start_ns = time.process_time_ns()
         for image, stamp_ns, readings in self.inputs:
+            start_ns = time.process_time_ns()
             navigator.step(image, stamp_ns, readings)
-        return time.process_time_ns() - start_ns
+            times_ns.append(time.process_time_ns() - start_ns)
+        return times_ns
 
 
 class CppFlight:
@@ -50,7 +52,7 @@ class CppFlight:
 
     def pass_ns(self):
         self.program.stdin.write("times\n")
-        return int(self.program.stdout.readline().split()[1])
+        return [int(time_ns) for time_ns in self.program.stdout.readline().split()]
 
     def close(self):
         self.program.stdin.close()
@@ -58,17 +60,14 @@ class CppFlight:
 
 
 def compare(policy, passes):
-    """Median time of a frame, ms, by C++ and Python, and median of the ratio."""
-    python, cpp = PythonFlight(policy), CppFlight(policy)
-    python.pass_ns(), cpp.pass_ns()  # memory and caches
-    times_ns = []
+    """Mean time of a step by C++ and Python, ms."""
+    flights = [CppFlight(policy), PythonFlight(policy)]
+    times_ns = {flight: [] for flight in flights}
     for i in range(passes):
-        # which of them is first changes
-        pair = [(f, f.pass_ns()) for f in ((cpp, python) if i % 2 else (python, cpp))]
-        times_ns.append((dict(pair)[cpp], dict(pair)[python]))
-    cpp.close()
-    frame_ms = [statistics.median(t) / len(python.inputs) * 1e-6 for t in zip(*times_ns)]
-    return *frame_ms, statistics.median(p / c for c, p in times_ns)
+        for flight in flights if i % 2 else reversed(flights):
+            times_ns[flight].append(flight.pass_ns())
+    flights[0].close()
+    return [statistics.mean(map(min, zip(*times_ns[flight]))) * 1e-6 for flight in flights]
 
 
 def main():
@@ -81,7 +80,8 @@ def main():
     print(f"{'policy':10} {'C++, ms':>8} {'Python, ms':>11} {'ratio':>6}")
     slow = False
     for policy in arguments.policies:
-        cpp_ms, python_ms, ratio = compare(policy, arguments.passes)
+        cpp_ms, python_ms = compare(policy, arguments.passes)
+        ratio = python_ms / cpp_ms
         print(f"{policy:10} {cpp_ms:8.3f} {python_ms:11.3f} {ratio:6.3f}", flush=True)
         slow = slow or ratio > LIMIT
     return int(slow)
