@@ -50,11 +50,11 @@ set(STILLKITE_INCLUDED_HEADERS
   stabilization/vehicle_limits.hpp
   stabilization/velocity_model.hpp)
 install(FILES ${PROJECT_SOURCE_DIR}/stillkite/stillkite.hpp
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stillkite)
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stillkite COMPONENT development)
 foreach(header IN LISTS STILLKITE_INCLUDED_HEADERS)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header}
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stillkite/${folder})
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stillkite/${folder} COMPONENT development)
 endforeach()
 
 add_library(stillkite_all INTERFACE)
@@ -63,11 +63,11 @@ set_target_properties(stillkite_all PROPERTIES EXPORT_NAME stillkite)
 target_link_libraries(stillkite_all INTERFACE stillkite_navigation)
 install(TARGETS stillkite_all stillkite_navigation stillkite_stabilization stillkite_estimation
                 stillkite_flow stillkite_geometry
-        EXPORT stillkite)
+        EXPORT stillkite COMPONENT development)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/stillkite)
 install(EXPORT stillkite NAMESPACE stillkite:: FILE stillkite-targets.cmake
-        DESTINATION ${package_dir})
+        DESTINATION ${package_dir} COMPONENT development)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/stillkite-config.cmake.in
                               ${PROJECT_BINARY_DIR}/stillkite-config.cmake
                               INSTALL_DESTINATION ${package_dir})
@@ -75,4 +75,4 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/stillkite-config-version.
                                  COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/stillkite-config.cmake
               ${PROJECT_BINARY_DIR}/stillkite-config-version.cmake
-        DESTINATION ${package_dir})
+        DESTINATION ${package_dir} COMPONENT development)
