@@ -92,10 +92,22 @@ std::optional<std::string> unused_by_the_window(const RunConfig& config) {
   return keys + ": not used by fusion.solver=window";
 }
 
+std::optional<std::string> diverging_filter(const EstimatorRun& run) {
+  const RunConfig& config = run.config();
+  const bool is_filter = config.estimator.policy == Policy::fused &&
+                         config.navigator.fusion.solver == FusionSolver::filter;
+  const bool has_scale =
+      run.inputs().initial.scale != ScaleSource::none || config.height.path.has_value();
+  if (!is_filter || has_scale || run.inputs().sensors.imu.stamps.empty()) return std::nullopt;
+  return "fusion.solver=filter can diverge without a height; set fusion.solver=window, "
+         "initial.height_m or height.path";
+}
+
 Messages input_warnings(const EstimatorRun& run) {
   Messages messages;
   if (const auto message = unused_by_the_window(run.config())) messages.push_back(*message);
   if (const auto message = missing_scale(run.inputs())) messages.push_back(*message);
+  if (const auto message = diverging_filter(run)) messages.push_back(*message);
   if (const auto message =
           no_ground_in_view(run.inputs().camera, run.inputs().initial.world_from_body.rotation *
                                                      run.inputs().body_from_camera.rotation))

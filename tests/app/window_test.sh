@@ -29,6 +29,11 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i ~ /^inlier_ratio/) column = 
   { echo "right: fewer than half of the points are inliers"; exit 1; }
 if grep "imu\|mount" "$out/right.err"; then echo "right: a message accuses a right sensor"; exit 1; fi
 
+"$stillkite" run "$out/flight/run.yaml" --set imu.path="$log" --set initial.from_truth=false \
+  --set source.end_s=1 --out "$out/filter" 2> "$out/filter.err" > "$out/filter.txt" ||
+  { cat "$out/filter.err"; exit 1; }
+message filter "can diverge without a height"
+
 awk -F, -v OFS=, 'NR > 1 { $1 = sprintf("%.0f", $1 + 4e7) } 1' "$log" > "$out/late.csv"
 run late "$out/late.csv"
 position_below late 0.02
