@@ -93,6 +93,7 @@ KeyframeFeatures::Keyframe KeyframeFeatures::take_keyframe(
   const std::vector<Found> realigned = realign(frame, expected);
   std::vector<Feature> features = continued_features(realigned);
   std::vector<cv::Point2f> points_px;
+  points_px.reserve(features.size());
   // a patch's centre is half a pixel from its feature
   for (const Feature& old : features) {
     points_px.emplace_back(old.at_px.x() + 0.5F, old.at_px.y() + 0.5F);
@@ -168,6 +169,7 @@ std::vector<KeyframeFeatures::Feature> KeyframeFeatures::continued_features(
     const std::vector<Found>& realigned) const {
   const auto min_distance_px = static_cast<float>(0.5 * detector_.min_distance_px);
   std::vector<Feature> features;
+  features.reserve(realigned.size() + found_.size());
   for (const Found& found : realigned) {
     features.push_back({.track_id = reference_.features[found.feature].track_id,
                         .at_px = found.at_px,

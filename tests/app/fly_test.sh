@@ -63,10 +63,10 @@ diff <(head -n "$recorded" "$out/flight/estimates.csv" | without_times) \
   <(head -n "$recorded" "$out/again/estimates.csv" | without_times) ||
   fail "estimates from the record differ"
 # the record on the page: commands are refused, the flight ends
-"$stillkite" replay "$out/flight" --listen 127.0.0.1:38633 --speed 50 2> "$out/messages" &
+"$stillkite" replay "$out/flight" --listen 127.0.0.1:28633 --speed 50 2> "$out/messages" &
 replay=$!
 trap 'kill $sensors $replay' EXIT
-python3 - 38633 << 'END' || fail "the replay is not shown"
+python3 - 28633 << 'END' || fail "the replay is not shown"
 import json, sys, time, urllib.error, urllib.request
 def request(path, body=None):
     url = f"http://127.0.0.1:{sys.argv[1]}{path}"

@@ -58,7 +58,7 @@ TEST(Layers, EveryIncludeBetweenWingsObeysTheWingPlan) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kRoot / folder)) {
       if (!is_source(entry.path())) continue;
       const std::string wing = wing_of(entry.path(), folder);
-      EXPECT_TRUE(wing.empty() || wings.contains(folder + "/" + wing))
+      EXPECT_TRUE(wing.empty() || wings.contains(std::string(folder).append("/").append(wing)))
           << folder << "/" << wing << "/ is missing in docs/architecture.md";
       for (const std::string& violation :
            forbidden_wing_includes(wings, folder, wing, text_of(entry.path()))) {

@@ -11,7 +11,9 @@
 namespace stillkite {
 namespace {
 
-constexpr std::uint16_t kSensorPort = 38'553;
+// below the ephemeral ports, one per test: tests run at the same time
+constexpr std::uint16_t kLinesPort = 28'553;
+constexpr std::uint16_t kOverlongPort = 28'554;
 
 void send_text(Port& port, std::string_view text) {
   port.send({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -29,9 +31,9 @@ std::vector<ReceivedSensorLine> wait_for_lines(SensorLink& link, std::int64_t li
 }
 
 TEST(SensorLink, DatagramsHoldWholeLines) {
-  SensorLink link("udp://:" + std::to_string(kSensorPort));
+  SensorLink link("udp://:" + std::to_string(kLinesPort));
   Port sender(
-      {.host = "127.0.0.1", .port = kSensorPort}, "test", [](auto, auto) {}, [] {});
+      {.host = "127.0.0.1", .port = kLinesPort}, "test", [](auto, auto) {}, [] {});
   sender.start();
   // two lines in one datagram, the second without its end; a line that is cut off
   const auto line = [](int range_m) {
@@ -55,9 +57,9 @@ TEST(SensorLink, DatagramsHoldWholeLines) {
 }
 
 TEST(SensorLink, CountsOverlongLines) {
-  SensorLink link("udp://:" + std::to_string(kSensorPort));
+  SensorLink link("udp://:" + std::to_string(kOverlongPort));
   Port sender(
-      {.host = "127.0.0.1", .port = kSensorPort}, "test", [](auto, auto) {}, [] {});
+      {.host = "127.0.0.1", .port = kOverlongPort}, "test", [](auto, auto) {}, [] {});
   sender.start();
   send_text(sender, std::string(3000, ' '));
   send_text(sender, R"({"schema":1,"range":1})");

@@ -14,14 +14,14 @@ namespace {
 // Map of the first keyframe of a window at the truth, and a camera 0.5 m and 11 degrees away.
 struct MapScene {
   MapScene() {
-    for (std::size_t i = 0; i < map.points.size(); ++i) {
-      const InverseDepthPoint& point = map.points[i].point;
+    for (const KeyframeMap::Point& known : map.points) {
+      const InverseDepthPoint& point = known.point;
       const Eigen::Vector3d x =
           keyframe_from_camera.inverse() * (point.bearing.homogeneous() / point.inverse_depth);
       if (x.z() < 0.1) continue;
       const Eigen::Vector2d noise(sigma * normal(random), sigma * normal(random));
-      features.push_back({map.points[i].track_id, x.hnormalized() + noise,
-                          sigma * sigma * Eigen::Matrix2d::Identity()});
+      features.push_back(
+          {known.track_id, x.hnormalized() + noise, sigma * sigma * Eigen::Matrix2d::Identity()});
     }
   }
   [[nodiscard]] KeyframeMap exact_map() {
