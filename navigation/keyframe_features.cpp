@@ -176,13 +176,14 @@ std::vector<KeyframeFeatures::Feature> KeyframeFeatures::continued_features(
                         .covariance_px2 = found.covariance_px2});
   }
   for (const Found& found : found_) {
+    const std::int64_t track_id = keyframe_.features[found.feature].track_id;
     const bool is_free = std::none_of(realigned.begin(), realigned.end(), [&](const Found& other) {
-      return (other.at_px - found.at_px).norm() < min_distance_px;
+      return reference_.features[other.feature].track_id == track_id ||
+             (other.at_px - found.at_px).norm() < min_distance_px;
     });
     if (!is_free) continue;
-    features.push_back({.track_id = keyframe_.features[found.feature].track_id,
-                        .at_px = found.at_px,
-                        .covariance_px2 = found.covariance_px2});
+    features.push_back(
+        {.track_id = track_id, .at_px = found.at_px, .covariance_px2 = found.covariance_px2});
   }
   std::sort(features.begin(), features.end(),
             [](const Feature& a, const Feature& b) { return a.track_id < b.track_id; });

@@ -126,15 +126,17 @@ struct SensorConfig {
           "standard deviation of roll and pitch");
     field("start_height_sigma_ratio", self.start_height_sigma_ratio, Range{1e-9, 1e9},
           "relative standard deviation of the initial height, once a sensor measures height");
-    // estimated by fusion.solver: window
     field("accel_bias_sigma_m_s2", self.accel_bias_sigma_m_s2, Range{1e-6, 10},
           "standard deviation of the accelerometer's initial bias, for fusion.solver: window");
     field("camera_rotation_sigma_rad", self.camera_rotation_sigma_rad, Range{1e-6, 1},
-          "standard deviation of the camera's mount relative to the IMU, per axis, as above");
+          "standard deviation of the camera's mount relative to the IMU, per axis, for "
+          "fusion.solver: window");
     field("lever_arm_sigma_m", self.lever_arm_sigma_m, Range{1e-6, 10},
-          "standard deviation of the camera's position relative to the IMU, per axis, as above");
+          "standard deviation of the camera's position relative to the IMU, per axis, for "
+          "fusion.solver: window");
     field("time_offset_sigma_s", self.time_offset_sigma_s, Range{1e-6, 1},
-          "standard deviation of the images' clock relative to the IMU's, as above");
+          "standard deviation of the images' clock relative to the IMU's, for "
+          "fusion.solver: window");
   }
 };
 

@@ -23,8 +23,8 @@ std::optional<std::size_t> closest_frame(const Window& window) {
 
 namespace {
 
-// Keyframe with a pose only whose observations say most of the inverse depths of the reference's
-// points.
+// Keyframe with a pose only whose observations have the most information on the inverse depths of
+// the reference keyframe's points.
 std::optional<std::int64_t> reference_partner(const Window& window) {
   const auto reference = window.find(window.reference_id);
   if (!reference) return std::nullopt;
@@ -38,10 +38,7 @@ std::optional<std::int64_t> reference_partner(const Window& window) {
       if (!track.point || track.observations.front().frame_id != window.reference_id) continue;
       const WindowObservation* observation = track.in(window.frames[i].id);
       if (observation == nullptr) continue;
-      const auto projection = project_point(pairs.at(*reference, i), *track.point);
-      if (!projection) continue;
-      const Eigen::Vector2d by_depth = projection->by_point.col(2);
-      information += by_depth.dot(observation->information * by_depth);
+      information += inverse_depth_information(pairs.at(*reference, i), *track.point, *observation);
     }
     if (information <= most) continue;
     most = information;

@@ -110,11 +110,8 @@ KeyframeMap keyframe_map(const Window& window, std::int64_t keyframe_id) {
     double information = 0;
     for (std::size_t k = 1; k < track.observations.size(); ++k) {
       const WindowObservation& observation = track.observations[k];
-      const auto seen =
-          project_point(pairs.at(*keyframe, *window.find(observation.frame_id)), *track.point);
-      if (!seen) continue;
-      const Eigen::Vector2d by_depth = seen->by_point.col(2);
-      information += by_depth.dot(observation.information * by_depth);
+      information += inverse_depth_information(
+          pairs.at(*keyframe, *window.find(observation.frame_id)), *track.point, observation);
     }
     if (information > 0) map.points.push_back({track.id, *track.point, 1 / std::sqrt(information)});
   }

@@ -17,6 +17,14 @@ const CameraPair& CameraPairs::at(std::size_t host, std::size_t target) {
   return *pair;
 }
 
+double inverse_depth_information(const CameraPair& pair, const InverseDepthPoint& point,
+                                 const WindowObservation& observation) {
+  const auto projection = project_point(pair, point);
+  if (!projection) return 0;
+  const Eigen::Vector2d by_depth = projection->by_point.col(2);
+  return by_depth.dot(observation.information * by_depth);
+}
+
 std::optional<Eigen::Vector2d> ReprojectionErrors::residual(const WindowTrack& track,
                                                             const WindowObservation& observation) {
   const std::size_t host = *window_.find(track.observations.front().frame_id);

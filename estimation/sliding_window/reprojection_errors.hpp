@@ -26,6 +26,12 @@ class CameraPairs {
   std::vector<std::optional<CameraPair>> pairs_;
 };
 
+/// Information on a point's inverse depth, m^2, in one observation for known poses; 0 behind the
+/// camera.
+[[nodiscard]] double inverse_depth_information(const CameraPair& pair,
+                                               const InverseDepthPoint& point,
+                                               const WindowObservation& observation);
+
 /// Reprojection errors of single observations.
 class ReprojectionErrors {
  public:

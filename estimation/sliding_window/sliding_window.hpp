@@ -38,7 +38,7 @@ class SlidingWindow {
   /// Forgets everything but the pose; a new initialization follows.
   void restart();
 
-  /// Another choice of position and yaw; as move_window().
+  /// As move_window().
   void move(const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
   /// Makes the newest frame a keyframe, in which new tracks begin. Their numbers ascend and are

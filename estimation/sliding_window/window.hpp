@@ -99,7 +99,8 @@ void append_frame(Window& window, WindowFrame frame);
 /// Takes the IMU readings between the previous frame and this one again.
 void integrate_imu(Window& window, std::size_t frame);
 
-/// Another choice of position and yaw: moves all frames, so that the position `from` becomes `to`.
+/// Moves all frames by a rotation about the vertical and a translation: position `from` becomes
+/// `to`. No measurement of the window depends on either.
 void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from,
                  const Eigen::Vector3d& to);
 
