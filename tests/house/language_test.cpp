@@ -147,6 +147,17 @@ TEST(Language, NoFileUsesARetiredWord) {
   }
 }
 
+TEST(Language, NoFileHasAMergeConflict) {
+  for (const std::string& name : project_files()) {
+    std::istringstream text = text_of(name);
+    std::string line;
+    for (int number = 1; std::getline(text, line); ++number) {
+      const bool conflict = line.starts_with("<<<<<<< ") || line.starts_with(">>>>>>> ");
+      EXPECT_FALSE(conflict) << name << ":" << number;
+    }
+  }
+}
+
 TEST(Language, ReadsEveryKindOfFile) {
   for (const std::vector<std::string>& files : {project_files(), files_in_tree()}) {
     EXPECT_GT(files.size(), 900u);
