@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Policy fused on flights with an IMU: sliding window (no height, no attitude) and filter (both given).
+"""Policy fused on flights with an IMU: sliding window, without and with the initial height, and filter (with it).
 
   bench/sliding_window.py OUT                     EuRoC MH_01 from 0 to 6 s on, simulated room and coast, 3 seeds
   bench/sliding_window.py OUT SIMULATION.yaml...  and flights of these configurations of `stillkite simulate`
@@ -21,7 +21,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 STILLKITE = ROOT / "build/release/app/stillkite"
 DATA = pathlib.Path(os.environ.get("STILLKITE_DATA", ROOT / "../shared/data")).resolve()
 SEEDS = (1, 2, 3)
-SOLVERS = ("window", "filter")
+# Without the truth's first pose there is no height; position and yaw then begin at zero, without consistency.
+SOLVERS = {"window, no height": ["fusion.solver=window", "initial.from_truth=false"],
+           "window": ["fusion.solver=window"],
+           "filter": ["fusion.solver=filter"]}
 
 
 def stillkite(*arguments):
@@ -55,8 +58,8 @@ def absolute_trajectory_error_m(pairs):
     return math.sqrt(squared / len(pairs))
 
 
-def figures_of(folder, truth):
-    """Cells of one run; '-' for figures that it does not have."""
+def figures_of(folder, truth, has_origin=True):
+    """Cells of one run; '-' for figures that it does not have. `has_origin`: its poses are in the truth's world."""
     with open(folder / "estimates.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     metric = [row for row in rows if row["x [m]"] and row["scale"] != "none" and row["verdict"] == "ok"]
@@ -73,7 +76,7 @@ def figures_of(folder, truth):
     return [f"{stamp_s(metric[0]) - stamp_s(rows[0]):.2f}",
             f"{1e3 * absolute_trajectory_error_m(pairs):.1f}",
             f"{math.hypot(*velocity):.4f}" if velocity else "-",
-            f"{100 * position['share_beyond_5_sigma']:.1f}" if position else "-"] + frame_times(summary)
+            f"{100 * position['share_beyond_5_sigma']:.1f}" if position and has_origin else "-"] + frame_times(summary)
 
 
 def frame_times(summary):
@@ -103,14 +106,14 @@ def main():
         sys.exit(__doc__.strip())
     out = pathlib.Path(sys.argv[1]).resolve()
     header = ("flight", "solver", "metric after s", "ATE mm", "velocity m/s", "beyond 5 sigma %", "ms median", "ms 99 %")
-    line = "{:<18}  {:<7}  {:>14}  {:>7}  {:>12}  {:>16}  {:>9}  {:>7}"
+    line = "{:<18}  {:<17}  {:>14}  {:>7}  {:>12}  {:>16}  {:>9}  {:>7}"
     print(line.format(*header))
     for name, config, settings, truth in flights(out, [pathlib.Path(path).resolve() for path in sys.argv[2:]]):
-        for solver in SOLVERS:
-            folder = out / "runs" / f"{name.replace(' ', '_')}-{solver}"
-            keys = ["estimator.policy=fused", f"fusion.solver={solver}", *settings]
+        for solver, solver_keys in SOLVERS.items():
+            folder = out / "runs" / f"{name}-{solver}".replace(" ", "_").replace(",", "")
+            keys = ["estimator.policy=fused", *solver_keys, *settings]
             stillkite("run", config, *(part for key in keys for part in ("--set", key)), "--out", folder)
-            print(line.format(name, solver, *figures_of(folder, truth)), flush=True)
+            print(line.format(name, solver, *figures_of(folder, truth, "initial.from_truth=false" not in keys)), flush=True)
 
 
 if __name__ == "__main__":

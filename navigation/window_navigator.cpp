@@ -33,9 +33,27 @@ InertialPriors inertial_priors(const NavigatorConfig& config) {
           .time_offset_s = sensors.time_offset_sigma_s};
 }
 
-Matrix6d initial_covariance(double tilt_sigma_rad) {
+std::optional<StartAboveGround> start_above_ground(const NavigatorConfig& config,
+                                                   const InitialState& initial) {
+  constexpr double kMinSlope_rad = 1e-6;
+  if (initial.scale == ScaleSource::none) return std::nullopt;
+  const double height_m = initial.world_from_body.translation.z();
+  StartAboveGround start{.world_from_imu = initial.world_from_body,
+                         .height_sigma_m = config.sensors.start_height_sigma_ratio * height_m,
+                         .tilt_sigma_rad = config.initial_tilt_sigma_rad,
+                         .relief = GroundRelief(height_m)};
+  if (config.levelling.enabled) {
+    start.level_slope_rad = std::max(kMinSlope_rad, config.levelling.ground_slope_sigma_rad);
+  }
+  return start;
+}
+
+Matrix6d initial_covariance(const NavigatorConfig& config, const InitialState& initial) {
   Matrix6d covariance = kExactVariance * Matrix6d::Identity();
-  covariance.diagonal().segment<2>(3).setConstant(tilt_sigma_rad * tilt_sigma_rad);
+  covariance.diagonal().segment<2>(3).setConstant(config.initial_tilt_sigma_rad *
+                                                  config.initial_tilt_sigma_rad);
+  const auto start = start_above_ground(config, initial);
+  if (start) covariance(2, 2) = start->height_sigma_m * start->height_sigma_m;
   return covariance;
 }
 
@@ -56,8 +74,9 @@ WindowNavigator::WindowNavigator(const Camera& camera, const RigidTransform& bod
       rest_depth_m_(rest_depth_m(initial, body_from_camera)),
       features_(camera, config.lens_sigma_px),
       window_({.imu_from_camera = body_from_camera}, initial.world_from_body,
-              imu_noise(config.fusion), inertial_priors(config)),
-      origin_covariance_(initial_covariance(config.initial_tilt_sigma_rad)),
+              imu_noise(config.fusion), inertial_priors(config),
+              start_above_ground(config, initial)),
+      origin_covariance_(initial_covariance(config, initial)),
       rate_sigma_rad_s_(config.sensors.gyro_bias_sigma_rad_s),
       unmeasured_speed_m_s_(kInitialSpeedSigma_heights_s * rest_depth_m_) {}
 
@@ -107,7 +126,7 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
 }
 
 NavigationEstimate WindowNavigator::initialize(const Frame& frame) {
-  previous_ = last_ = last_measured_ = imu_known_until_ = frame.stamp;
+  first_stamp_ = previous_ = last_ = last_measured_ = imu_known_until_ = frame.stamp;
   window_.add_frame(frame.stamp, {}, {});
   take_keyframe(frame);
   keep_reference();
@@ -328,13 +347,17 @@ NavigationEstimate WindowNavigator::answer(const Frame& frame, Verdict frame_ver
       (R_middle * imu_from_camera.rotation.toRotationMatrix()).transpose();
   const Eigen::Matrix3d camera_from_imu = imu_from_camera.rotation.conjugate().toRotationMatrix();
 
+  ScaleSource scale = ScaleSource::imu;
+  if (window_.window().start && !window_.is_scale_measured()) scale = ScaleSource::initial_height;
+  if (!window_.is_initialized()) scale = ScaleSource::none;
+
   EstimateParts parts{
       .verdict = frame_verdict,
       .source = EstimateSource::fused,
       .camera = {.pose = {window_.world_from_imu() * body_from_camera_,
                           pose_covariance(frame.stamp)},
-                 .scale = window_.is_initialized() ? ScaleSource::imu : ScaleSource::none,
-                 .scale_stamp = frame.stamp},
+                 .scale = scale,
+                 .scale_stamp = scale == ScaleSource::imu ? frame.stamp : first_stamp_},
       .world_from_initial_camera = window_.world_from_first() * body_from_camera_,
       .twist_in_camera = {camera_from_world * velocity, camera_from_imu * rate},
       .velocity_in_world_m_s = velocity,

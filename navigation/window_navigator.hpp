@@ -16,7 +16,8 @@
 namespace stillkite {
 
 /// Policy fused with `fusion.solver: window`: visual-inertial sliding window (docs/fusion.md).
-/// Needs an IMU; scale, roll and pitch come from it, no height is used. Body and IMU coincide.
+/// Needs an IMU, which gives scale, roll and pitch; an initial height gives the scale before. Body
+/// and IMU coincide.
 class WindowNavigator {
  public:
   WindowNavigator(const Camera& camera, const RigidTransform& body_from_camera,
@@ -69,6 +70,7 @@ class WindowNavigator {
   Eigen::Quaterniond world_from_keyframe_;        // camera
   Eigen::Vector3d initial_position_m_ = Eigen::Vector3d::Zero();
   Timestamp imu_known_until_;
+  Timestamp first_stamp_;
   Timestamp previous_;
   Timestamp last_;
   Timestamp last_measured_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "estimation/sliding_window/ground_points.hpp"
 #include "estimation/sliding_window/linear_alignment.hpp"
 #include "estimation/sliding_window/reprojection_errors.hpp"
 #include "estimation/sliding_window/rotation_alignment.hpp"
@@ -67,6 +68,27 @@ void move_first_frame(const RigidTransform& world_from_first, Window& window) {
   move_window(window, yaw, before.translation, world_from_first.translation);
 }
 
+// Tilt of the first frame, and a ground at zero height within its relief and the error of the first
+// frame's height.
+void add_start(const Window& window, int at, MarginalPrior& prior) {
+  const StartAboveGround& start = *window.start;
+  const RigidTransform& pose = window.frames.front().state.world_from_imu;
+  GroundError sigma;
+  sigma << start.slope_sigma(), start.slope_sigma(),
+      std::hypot(start.height_sigma_m, start.relief.sigma_m());
+  const GroundError information = sigma.cwiseAbs2().cwiseInverse();
+  const auto ground = Eigen::seqN(SharedIndex::kGround, GroundIndex::kSize);
+  prior.information.diagonal()(ground) = information;
+  prior.gradient(ground) = -information.cwiseProduct(minus(window.first_ground, WindowGround{}));
+  if (!start.tilt_sigma_rad) return;
+  const Eigen::Vector3d up = pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Matrix3d tilt = (Eigen::Matrix3d::Identity() - up * up.transpose()) /
+                               (*start.tilt_sigma_rad * *start.tilt_sigma_rad);
+  prior.information.block<3, 3>(at, at) += tilt;
+  prior.gradient.segment<3>(at) +=
+      tilt * so3_log(pose.rotation.conjugate() * start.world_from_imu.rotation);
+}
+
 // Zero velocity by the images; gyroscope bias and gravity by the mean readings.
 void add_rest(const InitialRest& rest, const WindowFrame& frame, int at, MarginalPrior& prior) {
   const ImuNoise& noise = frame.imu.noise();
@@ -95,11 +117,34 @@ void add_rest(const InitialRest& rest, const WindowFrame& frame, int at, Margina
       (rest.specific_force_m_s2 - expected - frame.state.accel_bias_m_s2);
 }
 
+constexpr std::size_t kMinPoints = 12;
+
+double mean_squared_error(const WindowFit& fit) {
+  return fit.observations > 0 ? 2 * fit.reprojection / fit.observations : 1e9;
+}
+
+// The estimation converged, and agrees with images and priors.
+bool is_explained(const Window& window, const InertialPriors& priors, double mean_squared_error) {
+  constexpr double kMaxMeanSquaredError = 8;
+  constexpr double kMaxDecrement = 0.5;     // one standard deviation from the minimum
+  constexpr double kMaxBiasSigmas2 = 11.3;  // 99 %, three degrees of freedom
+  return newton_decrement(window) < kMaxDecrement && mean_squared_error < kMaxMeanSquaredError &&
+         accel_bias_deviation(window.frames.front().state, priors) < kMaxBiasSigmas2 &&
+         camera_rotation_deviation(window, priors) < kFiveSigma3;
+}
+
 }  // namespace
 
 double scale_sigma_ratio(const Window& window) {
-  const Eigen::VectorXd direction = scale_direction(window);
-  return window_sigma(window, direction) / direction.squaredNorm();
+  const Eigen::VectorXd distances = scale_direction(window);
+  return window_sigma(window, distances) / distances.squaredNorm();
+}
+
+double height_sigma_ratio(const Window& window) {
+  const double height_m =
+      window.frames.front().state.world_from_imu.translation.z() - window.ground.height_m;
+  const int height = SharedIndex::kGround + GroundIndex::kHeight;
+  return window_sigma(window, Eigen::VectorXd::Unit(window.offsets().back(), height)) / height_m;
 }
 
 void set_initial_prior(Window& window, const InertialPriors& priors,
@@ -119,6 +164,7 @@ void set_initial_prior(Window& window, const InertialPriors& priors,
   prior.gradient.head<ExtrinsicsIndex::kSize>() =
       diagonal.head<ExtrinsicsIndex::kSize>().cwiseProduct(
           minus(window.calibrated, window.first_extrinsics));
+  diagonal.segment<GroundIndex::kSize>(SharedIndex::kGround).setOnes();  // without a start
   WindowFrame& first = window.frames.front();
   // a new clock offset has moved its state along the motion
   if (first.first_estimate) move_first_frame(first.first_estimate->world_from_imu, window);
@@ -136,6 +182,7 @@ void set_initial_prior(Window& window, const InertialPriors& priors,
       -information(priors.gyro_bias_rad_s) * first.state.gyro_bias_rad_s;
   prior.gradient.segment<3>(at + InertialIndex::kAccelBias) =
       -information(priors.accel_bias_m_s2) * first.state.accel_bias_m_s2;
+  if (window.start) add_start(window, at, prior);
   if (rest) add_rest(*rest, first, at, prior);
 }
 
@@ -167,19 +214,36 @@ void initialize_at_rest(Window& window, const InitialRest& rest) {
   state.accel_bias_m_s2.setZero();
 }
 
+Initialization initialize_above_ground(Window& window, const InertialPriors& priors) {
+  constexpr int kMaxIterations = 20;
+  constexpr double kMinGround_ratio = 0.8;       // nothing measures the others
+  constexpr double kMaxHeightSigma_ratio = 0.3;  // else the scale is as good as unknown
+  const double height_m = window.start->world_from_imu.translation.z();
+  if (!(window.start->height_sigma_m < kMaxHeightSigma_ratio * height_m)) return {};
+  for (WindowTrack& track : window.tracks) track.point.reset();
+  const std::size_t placed = place_on_ground(window);
+  const auto seen = std::ranges::count_if(
+      window.tracks, [](const WindowTrack& track) { return track.observations.size() > 1; });
+  if (placed < kMinPoints ||
+      static_cast<double>(placed) < kMinGround_ratio * static_cast<double>(seen))
+    return {};
+  linearize_at_present(window);
+  set_initial_prior(window, priors);
+  const WindowFit fit = optimize(window, kMaxIterations);
+  Initialization out;
+  out.mean_squared_error = mean_squared_error(fit);
+  out.accepted = is_explained(window, priors, out.mean_squared_error);
+  return out;
+}
+
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
                                     const InertialPriors& priors) {
   // the linearization point of the first frame moves
   constexpr int kMaxRounds = 15;
   constexpr int kIterations = 4;
   constexpr double kMinDecrease = 0.02;  // as in optimize()
-  constexpr double kMaxScaleSigma_ratio = 0.1;
   // the linear solution's is within a factor of two of it, or far above
   constexpr double kMaxLinearScaleSigma_ratio = 2 * kMaxScaleSigma_ratio;
-  constexpr double kMaxMeanSquaredError = 8;
-  constexpr double kMaxDecrement = 0.5;     // one standard deviation from the minimum
-  constexpr double kMaxBiasSigmas2 = 11.3;  // 99 %, three degrees of freedom
-  constexpr std::size_t kMinPoints = 12;
   if (!align_rotations(window, priors)) return {};
   const auto alignment = align_linearly(window);
   if (!alignment) return {};
@@ -190,7 +254,7 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   WindowFit fit;
   double last_cost = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMaxRounds; ++round) {
-    linearize_at_present_extrinsics(window);
+    linearize_at_present(window);
     reject_outlier_points(window);
     set_initial_prior(window, priors);
     fit = optimize(window, kIterations);
@@ -199,15 +263,12 @@ Initialization initialize_in_motion(Window& window, const RigidTransform& world_
   }
   set_initial_prior(window, priors);
   Initialization out;
-  out.mean_squared_error = fit.observations > 0 ? 2 * fit.reprojection / fit.observations : 1e9;
+  out.mean_squared_error = mean_squared_error(fit);
   out.scale_sigma_ratio = scale_sigma_ratio(window);
-  const bool is_explained =
-      newton_decrement(window) < kMaxDecrement && out.mean_squared_error < kMaxMeanSquaredError &&
-      accel_bias_deviation(window.frames.front().state, priors) < kMaxBiasSigmas2 &&
-      camera_rotation_deviation(window, priors) < kFiveSigma3;
   const bool is_observable = out.scale_sigma_ratio < kMaxScaleSigma_ratio;
-  out.accepted = is_observable && is_explained;
-  out.is_contradictory = is_observable && !is_explained;
+  const bool explains = is_explained(window, priors, out.mean_squared_error);
+  out.accepted = is_observable && explains;
+  out.is_contradictory = is_observable && !explains;
   return out;
 }
 

@@ -7,11 +7,15 @@
 #include "estimation/sliding_window/inertial_priors.hpp"
 #include "estimation/sliding_window/window.hpp"
 
-// Initialization of a window without height or attitude. In motion: gyroscope bias and clock offset
+// Initialization of a window. Above ground: by height and attitude of the first frame. In motion,
+// without either: gyroscope bias and clock offset
 // from image rotations, then gravity, velocity and depths by linear least squares, then all
 // variables. At rest: by the mean readings of the IMU.
 
 namespace stillkite {
+
+/// Standard deviation of the scale, relative, above which a window is not initialized.
+inline constexpr double kMaxScaleSigma_ratio = 0.1;
 
 /// Outcome of an attempt.
 struct Initialization {
@@ -30,9 +34,16 @@ struct Initialization {
 Initialization initialize_in_motion(Window& window, const RigidTransform& world_from_first,
                                     const InertialPriors& priors);
 
+/// As above, by a start above ground: the first frame has its height, and most tracks are on the
+/// ground.
+Initialization initialize_above_ground(Window& window, const InertialPriors& priors);
+
 /// Standard deviation of a common factor of the distances from the first frame; infinite if the
 /// window is not observable.
 [[nodiscard]] double scale_sigma_ratio(const Window& window);
+
+/// Standard deviation of the first frame's height above the ground, relative.
+[[nodiscard]] double height_sigma_ratio(const Window& window);
 
 /// Rest of the first frame: mean readings of the IMU since it began.
 struct InitialRest {

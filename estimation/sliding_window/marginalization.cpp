@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "estimation/sliding_window/ground_points.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
 
 namespace stillkite {
@@ -45,16 +46,12 @@ WindowEquations without(const WindowEquations& all, Eigen::Index first, Eigen::I
 // The prior about the first estimates; frames it newly depends on get theirs now.
 void set_prior(Window& window, WindowEquations equations) {
   const std::vector<int> offsets = window.offsets();
-  Eigen::VectorXd error = Eigen::VectorXd::Zero(offsets.back());
-  error.head<ExtrinsicsIndex::kSize>() = minus(window.extrinsics, window.first_extrinsics);
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     WindowFrame& frame = window.frames[i];
     const auto diagonal = equations.information.diagonal().segment(offsets[i], frame.size());
     if (!frame.first_estimate && (diagonal.array() > 0).any()) frame.first_estimate = frame.state;
-    if (!frame.first_estimate) continue;
-    error.segment(offsets[i], frame.size()) =
-        minus(frame.state, *frame.first_estimate).head(frame.size());
   }
+  const Eigen::VectorXd error = error_from_first_estimates(window);
   window.prior.gradient = equations.gradient + equations.information * error;
   window.prior.information = 0.5 * (equations.information + equations.information.transpose());
 }
@@ -109,6 +106,7 @@ void marginalize_frame(Window& window, std::size_t frame) {
   }
   WindowEquations equations = window_equations(window, scope);
   equations = without(equations, window.offsets()[frame], window.frames[frame].size());
+  keep_ground_points(window, scope.tracks);
   for (const std::size_t i : scope.tracks) {
     WindowTrack& track = window.tracks[i];
     track.point.reset();

@@ -17,6 +17,19 @@ const CameraPair& CameraPairs::at(std::size_t host, std::size_t target) {
   return *pair;
 }
 
+const GroundView& GroundViews::at(std::size_t frame) {
+  std::optional<GroundView>& view = views_[frame];
+  if (!view) {
+    const double shift_s = window_.image_shift_s();
+    const CameraExtrinsics& extrinsics =
+        at_first_estimates_ ? window_.first_extrinsics : window_.extrinsics;
+    view = ground_view(at_first_estimates_ ? window_.first_ground : window_.ground,
+                       window_.frames[frame].world_from_imu_after(shift_s, at_first_estimates_),
+                       extrinsics.imu_from_camera);
+  }
+  return *view;
+}
+
 double inverse_depth_information(const CameraPair& pair, const InverseDepthPoint& point,
                                  const WindowObservation& observation) {
   const auto projection = project_point(pair, point);

@@ -26,6 +26,20 @@ class CameraPairs {
   std::vector<std::optional<CameraPair>> pairs_;
 };
 
+/// Ground in the cameras of a window, each computed once.
+class GroundViews {
+ public:
+  GroundViews(const Window& window, bool at_first_estimates)
+      : window_(window), at_first_estimates_(at_first_estimates), views_(window.frames.size()) {}
+
+  [[nodiscard]] const GroundView& at(std::size_t frame);
+
+ private:
+  const Window& window_;
+  bool at_first_estimates_;
+  std::vector<std::optional<GroundView>> views_;
+};
+
 /// Information on a point's inverse depth, m^2, in one observation for known poses; 0 behind the
 /// camera.
 [[nodiscard]] double inverse_depth_information(const CameraPair& pair,

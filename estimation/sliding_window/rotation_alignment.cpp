@@ -100,7 +100,7 @@ bool align_rotations(Window& window, const InertialPriors& priors) {
       frame.state.gyro_bias_rad_s = value.head<3>();
       frame.state.accel_bias_m_s2.setZero();
     }
-    linearize_at_present_extrinsics(window);
+    linearize_at_present(window);
     AlignmentEquations equations;
     equations.H.diagonal() = sigmas.cwiseAbs2().cwiseInverse();
     equations.g = equations.H * (expected - value);

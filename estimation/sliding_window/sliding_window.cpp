@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "estimation/sliding_window/frame_selection.hpp"
+#include "estimation/sliding_window/ground_points.hpp"
 #include "estimation/sliding_window/marginalization.hpp"
+#include "estimation/sliding_window/triangulation.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
 #include "estimation/sliding_window/window_tracks.hpp"
 
@@ -25,9 +27,11 @@ constexpr int kMaxIterations = 4;
 
 SlidingWindow::SlidingWindow(const CameraExtrinsics& extrinsics,
                              const RigidTransform& world_from_imu, const ImuNoise& noise,
-                             const InertialPriors& priors)
+                             const InertialPriors& priors,
+                             const std::optional<StartAboveGround>& start)
     : noise_(noise), priors_(priors), world_from_first_(world_from_imu) {
   window_.calibrated = window_.extrinsics = window_.first_extrinsics = extrinsics;
+  window_.start = start;
   ImuInterval at_rest;
   at_rest.specific_force_m_s2 = world_from_imu.rotation.conjugate() * -gravity_in_world();
   window_.imu = ImuTimeline(at_rest);
@@ -41,8 +45,8 @@ void SlidingWindow::begin_with(WindowFrame first) {
   window_.frames.clear();
   window_.tracks.clear();
   window_.reference_id = -1;
-  window_.prior.information = Eigen::MatrixXd::Zero(ExtrinsicsIndex::kSize, ExtrinsicsIndex::kSize);
-  window_.prior.gradient = Eigen::VectorXd::Zero(ExtrinsicsIndex::kSize);
+  window_.prior.information = Eigen::MatrixXd::Zero(SharedIndex::kSize, SharedIndex::kSize);
+  window_.prior.gradient = Eigen::VectorXd::Zero(SharedIndex::kSize);
   append_frame(window_, std::move(first));
 }
 
@@ -76,7 +80,7 @@ void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuInterval> read
     if (!is_thinned) remove_oldest();
     try_initialization();
   } else {
-    triangulate_tracks(window_);
+    add_points();
     if (is_batch_) {
       estimate_batch(!is_thinned);
     } else {
@@ -94,7 +98,10 @@ void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features,
   replace_observations(window_, realigned);
   begin_tracks(window_, features);
   if (!window_.find(window_.reference_id)) window_.reference_id = window_.frames.back().id;
-  if (is_initialized_ && !is_batch_) limit_keyframes();
+  if (is_initialized_ && !is_batch_) {
+    limit_keyframes();
+    level_ground(window_);
+  }
   remove_empty_tracks(window_);
 }
 
@@ -156,15 +163,23 @@ bool SlidingWindow::thin_batch() {
   return true;
 }
 
+void SlidingWindow::add_points() {
+  triangulate_tracks(window_);
+  place_on_ground(window_);
+}
+
 void SlidingWindow::remove_oldest() {
+  window_.start.reset();  // it has moved since
   remove_first_frame(window_);
   restart_tracks(window_);
 }
 
 void SlidingWindow::try_initialization() {
+  if (try_above_ground()) return;
   const double span_s = seconds_between(window_.frames.front().stamp, window_.frames.back().stamp);
   if (span_s < kMinInitialization_s) return;
   Window attempt = window_;
+  if (attempt.start) attempt.start->tilt_sigma_rad.reset();
   const RigidTransform before = window_.frames.front().state.world_from_imu;
   initialization_ = initialize_in_motion(attempt, before, priors_);
   contradictions_ += initialization_.is_contradictory;
@@ -176,19 +191,73 @@ void SlidingWindow::try_initialization() {
   estimate();
 }
 
+// With a known height the second frame is enough.
+bool SlidingWindow::try_above_ground() {
+  if (!window_.start || !window_.start->tilt_sigma_rad) return false;
+  Window attempt = window_;
+  const Eigen::Quaterniond before = window_.frames.front().state.world_from_imu.rotation;
+  initialization_ = initialize_above_ground(attempt, priors_);
+  if (!initialization_.accepted) return false;
+  window_ = std::move(attempt);
+  is_initialized_ = is_batch_ = true;
+  align_first_pose(before, window_.frames.front().state.world_from_imu.rotation);
+  estimate();
+  return true;
+}
+
 // All frames since the initialization, linearized anew with every frame, until the scale is known
 // well enough for first-estimate Jacobians, or the batch is full.
 void SlidingWindow::estimate_batch(bool is_full) {
   constexpr double kSettledScale_ratio = 0.005;
-  linearize_at_present_extrinsics(window_);
+  linearize_at_present(window_);
   set_initial_prior(window_, priors_, rest_);
   estimate();
-  is_batch_ = !is_full && scale_sigma_ratio(window_) > kSettledScale_ratio;
+  const bool is_settled = !(scale_sigma_ratio(window_) > kSettledScale_ratio) &&
+                          !(window_.start && height_sigma_ratio(window_) > kSettledScale_ratio);
+  is_batch_ = !is_full && !is_settled;
+  if (window_.start) {
+    const GroundRelief& relief = window_.start->relief;
+    if (relief.is_rough() || (!is_batch_ && !relief.is_plane())) {
+      forget_ground();
+      return;
+    }
+    level_ground(window_);
+  }
   if (is_batch_) return;
   set_initial_prior(window_, priors_, rest_);
   rest_.reset();
   slide();
   limit_keyframes();
+}
+
+// What is seen is no plane: its height gives no scale.
+void SlidingWindow::forget_ground() {
+  window_.start.reset();
+  window_.ground = window_.first_ground = {};
+  for (WindowTrack& track : window_.tracks) {
+    track.ground_information = 0;
+    track.point = triangulate(window_, track);
+  }
+  set_initial_prior(window_, priors_, rest_);
+  is_initialized_ = is_batch_ = scale_sigma_ratio(window_) < kMaxScaleSigma_ratio;
+  if (is_initialized_) {
+    estimate();
+  } else {
+    forget_estimate();
+  }
+}
+
+// Back to the measurements alone, for a new initialization.
+void SlidingWindow::forget_estimate() {
+  window_.extrinsics = window_.first_extrinsics = window_.calibrated;
+  for (std::size_t i = 0; i < window_.frames.size(); ++i) {
+    WindowFrame& frame = window_.frames[i];
+    frame.first_estimate.reset();
+    frame.state.velocity_in_world_m_s.setZero();
+    frame.state.gyro_bias_rad_s.setZero();
+    frame.state.accel_bias_m_s2.setZero();
+    if (i > 0) integrate_imu(window_, i);
+  }
 }
 
 // One frame, with its features, as long as the camera rests.
@@ -207,6 +276,8 @@ void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuInterval> r
       std::find_if(window_.frames.begin(), window_.frames.end(),
                    [&](const WindowFrame& earlier) { return earlier.stamp >= rest.since; });
   frame.state = at_rest == window_.frames.end() ? window_.frames.back().state : at_rest->state;
+  if (!is_at_rest_ && at_rest != window_.frames.begin()) window_.start.reset();
+  if (window_.start) window_.start->tilt_sigma_rad.reset();
   const Eigen::Quaterniond before = frame.state.world_from_imu.rotation;
   begin_with(std::move(frame));
   initialize_at_rest(window_, *rest_);
@@ -251,6 +322,8 @@ void SlidingWindow::restart() {
   first.state = state();
   first.state.velocity_in_world_m_s.setZero();
   is_restarted_ = true;
+  window_.start.reset();
+  window_.ground = window_.first_ground = {};
   window_.extrinsics = window_.first_extrinsics = window_.calibrated;
   begin_with(std::move(first));
   is_initialized_ = is_batch_ = is_at_rest_ = false;
@@ -274,6 +347,7 @@ void SlidingWindow::estimate() {
     update_covariance();
   }
   points_ = reject_outliers(window_);
+  update_ground_points(window_);
 }
 
 // Frames that leave the chain: a keyframe's velocity and biases, or the whole frame.

@@ -25,9 +25,11 @@ class SlidingWindow {
  public:
   using Matrix15d = Eigen::Matrix<double, InertialIndex::kSize, InertialIndex::kSize>;
 
-  /// `world_from_imu`: pose at the first frame; gravity corrects roll and pitch.
+  /// `world_from_imu`: pose at the first frame; gravity corrects roll and pitch. `start`: if its
+  /// height above the ground is known.
   SlidingWindow(const CameraExtrinsics& extrinsics, const RigidTransform& world_from_imu,
-                const ImuNoise& noise, const InertialPriors& priors);
+                const ImuNoise& noise, const InertialPriors& priors,
+                const std::optional<StartAboveGround>& start = {});
 
   /// Adds an image with new IMU readings and the features of known tracks; estimates all states.
   /// Readings may be late, or ahead of the image. `rest`: the images show a camera at rest.
@@ -52,6 +54,8 @@ class SlidingWindow {
   [[nodiscard]] const ImuNoise& noise() const { return noise_; }
   /// State of the newest frame.
   [[nodiscard]] const InertialState& state() const { return window_.frames.back().state; }
+  /// All measurements together, not the start's height alone, give the scale.
+  [[nodiscard]] bool is_scale_measured() const { return is_initialized_ && !is_batch_; }
   /// Pose at the newest image.
   [[nodiscard]] RigidTransform world_from_imu() const {
     return window_.frames.back().world_from_imu_after(window_.image_shift_s(), false);
@@ -82,12 +86,16 @@ class SlidingWindow {
   void align_first_pose(const Eigen::Quaterniond& before, const Eigen::Quaterniond& after);
   void add_readings(std::span<const ImuInterval> readings);
   void forget_readings();
+  void add_points();
   void predict(Timestamp stamp);
   void thin_chain();
   [[nodiscard]] bool thin_batch();
   void remove_oldest();
   void try_initialization();
+  [[nodiscard]] bool try_above_ground();
   void estimate_batch(bool is_full);
+  void forget_ground();
+  void forget_estimate();
   void stay_at_rest(Timestamp stamp, std::span<const ImuInterval> readings,
                     std::span<const FeatureObservation> features, const CameraRest& rest);
   void estimate();

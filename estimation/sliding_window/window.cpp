@@ -42,7 +42,7 @@ const WindowObservation* WindowTrack::in(std::int64_t frame_id) const {
 std::vector<int> Window::offsets() const {
   std::vector<int> offsets;
   offsets.reserve(frames.size() + 1);
-  int at = ExtrinsicsIndex::kSize;
+  int at = SharedIndex::kSize;
   for (const WindowFrame& frame : frames) {
     offsets.push_back(at);
     at += frame.size();
@@ -94,7 +94,7 @@ void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vec
     pose.rotation.normalize();
     state.velocity_in_world_m_s = yaw * state.velocity_in_world_m_s;
   };
-  // errors of positions and velocities are in world axes
+  // errors of positions, velocities and ground are in world axes
   const std::vector<int> offsets = window.offsets();
   Eigen::MatrixXd axes = Eigen::MatrixXd::Identity(offsets.back(), offsets.back());
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
@@ -107,11 +107,18 @@ void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vec
     const int velocity = offsets[i] + InertialIndex::kVelocity;
     axes.block<3, 3>(velocity, velocity) = yaw.toRotationMatrix();
   }
+  const Eigen::Matrix2d turn = yaw.toRotationMatrix().topLeftCorner<2, 2>();
+  const Eigen::Vector2d shift_m = world_from_before.translation.head<2>();
+  for (WindowGround* ground : {&window.ground, &window.first_ground}) {
+    ground->slope = turn * ground->slope;
+    ground->height_m += world_from_before.translation.z() - ground->slope.dot(shift_m);
+  }
+  axes.block<2, 3>(SharedIndex::kGround, SharedIndex::kGround) << turn, shift_m;
   window.prior.information = axes * window.prior.information * axes.transpose();
   window.prior.gradient = axes * window.prior.gradient;
 }
 
-void linearize_at_present_extrinsics(Window& window) {
+void linearize_at_present(Window& window) {
   constexpr double kMinShift_s = 2e-5;
   const double shift_s = window.image_shift_s();
   const bool is_shifted = std::abs(shift_s) > kMinShift_s;
@@ -122,6 +129,7 @@ void linearize_at_present_extrinsics(Window& window) {
     }
   }
   window.first_extrinsics = window.extrinsics;
+  window.first_ground = window.ground;
   if (!is_shifted) window.first_extrinsics.time_offset_s = unshifted_s;
   for (std::size_t i = 1; i < window.frames.size(); ++i) {
     if (is_shifted || biases_have_changed(window.frames[i])) integrate_imu(window, i);

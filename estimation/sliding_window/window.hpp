@@ -6,8 +6,10 @@
 #include <optional>
 #include <vector>
 
+#include "estimation/sliding_window/ground_relief.hpp"
 #include "estimation/sliding_window/imu_timeline.hpp"
 #include "estimation/sliding_window/reprojection_factor.hpp"
+#include "estimation/sliding_window/window_ground.hpp"
 #include "geometry/time.hpp"
 
 namespace stillkite {
@@ -54,6 +56,9 @@ struct WindowTrack {
   std::int64_t id = 0;
   std::vector<WindowObservation> observations;
   std::optional<InverseDepthPoint> point;  ///< empty until triangulated
+  /// Of the point's height above the ground, over its depth; 0: not on the ground.
+  double ground_information = 0;
+  bool is_ground_marginalized = false;  ///< the prior has it
 
   /// Observation in a frame; null if there is none.
   [[nodiscard]] const WindowObservation* in(std::int64_t frame_id) const;
@@ -66,13 +71,40 @@ struct MarginalPrior {
   Eigen::VectorXd gradient;
 };
 
+/// Variables that do not belong to a frame; those of the frames follow.
+struct SharedIndex {
+  static constexpr int kExtrinsics = 0;
+  static constexpr int kGround = ExtrinsicsIndex::kSize;
+  static constexpr int kSize = kGround + GroundIndex::kSize;
+};
+
+/// Pose of the first frame above the ground, before any measurement.
+struct StartAboveGround {
+  RigidTransform world_from_imu;
+  double height_sigma_m = 0;
+  std::optional<double> tilt_sigma_rad;   ///< of roll and pitch; empty: unknown
+  std::optional<double> level_slope_rad;  ///< sigma of a level ground; empty: none is level
+  GroundRelief relief;
+  bool is_level = false;  ///< the measured slope is that of a level ground
+
+  /// Standard deviation of the ground's slope, per axis.
+  [[nodiscard]] double slope_sigma() const {
+    constexpr double kBeach = 0.05;  // one in twenty
+    return is_level ? *level_slope_rad : kBeach;
+  }
+};
+
 /// Variables, measurements and prior of a fixed-lag smoother (Leutenegger et al. 2015; Usenko et
-/// al. 2020). Order of the variables: extrinsics, then frames by time.
+/// al. 2020). Order of the variables: SharedIndex, then frames by time.
 struct Window {
   CameraExtrinsics calibrated;
   CameraExtrinsics extrinsics;  ///< estimate
   CameraExtrinsics
-      first_extrinsics;  ///< linearization point; its clock offset sets the states' times
+      first_extrinsics;       ///< linearization point; its clock offset sets the states' times
+  WindowGround ground;        ///< estimate
+  WindowGround first_ground;  ///< linearization point
+  /// Empty if the height is unknown: no point is taken to be on the ground.
+  std::optional<StartAboveGround> start;
   ImuTimeline imu;
   std::vector<WindowFrame> frames;
   std::vector<WindowTrack> tracks;  ///< by ascending number
@@ -104,8 +136,8 @@ void integrate_imu(Window& window, std::size_t frame);
 void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from,
                  const Eigen::Vector3d& to);
 
-/// Makes the present extrinsics the linearization point, with the states at the times of the
-/// images. All frames have a motion, and the prior does not depend on them.
-void linearize_at_present_extrinsics(Window& window);
+/// Makes the present extrinsics and ground the linearization point, with the states at the times of
+/// the images. All frames have a motion, and the prior does not depend on them.
+void linearize_at_present(Window& window);
 
 }  // namespace stillkite

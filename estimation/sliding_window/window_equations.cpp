@@ -12,7 +12,7 @@ namespace stillkite {
 namespace {
 
 constexpr int kPose = InertialIndex::kPoseSize;
-constexpr int kExtrinsics = ExtrinsicsIndex::kSize;
+constexpr int kCommon = SharedIndex::kSize;
 
 void add_imu(const Window& window, std::size_t end, const std::vector<int>& offsets,
              WindowLinearization& out) {
@@ -65,11 +65,25 @@ PairEquations pair_equations(const Window& window, std::size_t host, std::size_t
   const PairJacobians by = pair_jacobians(pair);
   PairEquations out;
   out.target = target;
-  out.by_shared << by.by_extrinsics,
+  out.by_shared.leftCols<ExtrinsicsIndex::kSize>() << by.by_extrinsics,
       by.by_host * window.frames[host].pose_rate() +
-          by.by_target * window.frames[target].pose_rate(),
-      by.by_host;
+          by.by_target * window.frames[target].pose_rate();
+  out.by_shared.rightCols<kPose>() = by.by_host;
   out.by_target = by.by_target;
+  return out;
+}
+
+PairEquations ground_equations(const Window& window, std::size_t host) {
+  const GroundViewJacobians by = ground_view_jacobians(
+      window.first_ground, window.frames[host].world_from_imu_after(window.image_shift_s(), true),
+      window.first_extrinsics.imu_from_camera);
+  PairEquations out;
+  out.target = host;
+  auto rows = out.by_shared.topRows<4>();
+  rows.leftCols<ExtrinsicsIndex::kSize>() << by.by_extrinsics,
+      by.by_pose * window.frames[host].pose_rate();
+  rows.middleCols<GroundIndex::kSize>(SharedIndex::kGround) = by.by_plane;
+  rows.rightCols<kPose>() = by.by_pose;
   return out;
 }
 
@@ -90,6 +104,22 @@ void add_view(const WindowObservation& observation, const std::optional<Eigen::V
   point.V.noalias() += point_weighted * linear->by_point;
   point.g.noalias() += point_weighted * residual;
   out.views.push_back({pair, point_weighted * linear->by_pair});
+}
+
+// The height above the ground is zero.
+void add_ground(const WindowTrack& track, const GroundView& present, const GroundView& linear,
+                std::size_t pair, PointEquations& point, HostEquations& out) {
+  const double information = track.ground_information;
+  const double residual = -present.height_ratio(*track.point);
+  Vector6d by_pair = Vector6d::Zero();
+  by_pair.head<4>() << track.point->bearing, 1, track.point->inverse_depth;
+  const Eigen::Vector3d by_point(linear.normal.x(), linear.normal.y(), linear.height_m);
+  PairEquations& equations = out.pairs[pair];
+  equations.H.noalias() += information * by_pair * by_pair.transpose();
+  equations.g += information * residual * by_pair;
+  point.V.noalias() += information * by_point * by_point.transpose();
+  point.g += information * residual * by_point;
+  out.views.push_back({pair, information * by_point * by_pair.transpose()});
 }
 
 // Subtracts W^T V^-1 W and W^T V^-1 g of each point; lower triangle only.
@@ -139,11 +169,10 @@ void add_pairs(const HostEquations& host, const WindowEquations& pairs,
   const Eigen::Matrix<double, kShared, kShared> shared = by_shared.transpose() * weighted;
   const Eigen::Matrix<double, kShared, 1> shared_g = by_shared.transpose() * pairs.gradient;
   const int h = offsets[host.host];
-  out.information.topLeftCorner<kExtrinsics, kExtrinsics>() +=
-      shared.topLeftCorner<kExtrinsics, kExtrinsics>();
-  out.information.block<kPose, kExtrinsics>(h, 0) += shared.bottomLeftCorner<kPose, kExtrinsics>();
+  out.information.topLeftCorner<kCommon, kCommon>() += shared.topLeftCorner<kCommon, kCommon>();
+  out.information.block<kPose, kCommon>(h, 0) += shared.bottomLeftCorner<kPose, kCommon>();
   out.information.block<kPose, kPose>(h, h) += shared.bottomRightCorner<kPose, kPose>();
-  out.gradient.head<kExtrinsics>() += shared_g.head<kExtrinsics>();
+  out.gradient.head<kCommon>() += shared_g.head<kCommon>();
   out.gradient.segment<kPose>(h) += shared_g.tail<kPose>();
   for (std::size_t i = 0; i < host.pairs.size(); ++i) {
     const PairEquations& pair = host.pairs[i];
@@ -151,7 +180,7 @@ void add_pairs(const HostEquations& host, const WindowEquations& pairs,
     const int t = offsets[pair.target];
     const Eigen::Matrix<double, kPose, kShared> by =
         pair.by_target.transpose() * weighted.middleRows<6>(row);
-    out.information.block<kPose, kExtrinsics>(t, 0) += by.leftCols<kExtrinsics>();
+    out.information.block<kPose, kCommon>(t, 0) += by.leftCols<kCommon>();
     if (t > h) {
       out.information.block<kPose, kPose>(t, h) += by.rightCols<kPose>();
     } else {
@@ -192,7 +221,8 @@ WindowScope whole_window(const Window& window) {
 Eigen::VectorXd error_from_first_estimates(const Window& window) {
   const std::vector<int> offsets = window.offsets();
   Eigen::VectorXd error = Eigen::VectorXd::Zero(offsets.back());
-  error.head<kExtrinsics>() = minus(window.extrinsics, window.first_extrinsics);
+  error.head<kCommon>() << minus(window.extrinsics, window.first_extrinsics),
+      minus(window.ground, window.first_ground);
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     const WindowFrame& frame = window.frames[i];
     if (!frame.first_estimate) continue;
@@ -211,6 +241,8 @@ WindowLinearization linearize(const Window& window, const WindowScope& scope) {
   for (const std::size_t i : scope.rest_frames) add_rest(window.frames[i], out.offsets[i], out);
   CameraPairs present(window, false);
   CameraPairs first(window, true);
+  GroundViews present_ground(window, false);
+  GroundViews first_ground(window, true);
   EquationsIndex index(window.frames.size());
   for (const std::size_t i : scope.tracks) {
     const WindowTrack& track = window.tracks[i];
@@ -237,6 +269,15 @@ WindowLinearization linearize(const Window& window, const WindowScope& scope) {
       add_view(observation, project_bearing(present.at(host, target), *track.point),
                project_point(first.at(host, target), *track.point), *pair_at, point, equations);
     }
+    if (track.ground_information > 0) {
+      std::optional<std::size_t>& ground_at = index.pair(host, host);
+      if (!ground_at) {
+        ground_at = equations.pairs.size();
+        equations.pairs.push_back(ground_equations(window, host));
+      }
+      add_ground(track, present_ground.at(host), first_ground.at(host), *ground_at, point,
+                 equations);
+    }
     point.views = equations.views.size() - point.first_view;
     equations.points.push_back(point);
   }
@@ -256,7 +297,7 @@ WindowEquations eliminate_points(WindowLinearization& linear, double damping) {
 std::vector<PairError> pair_errors(const HostEquations& host, const std::vector<int>& offsets,
                                    const Eigen::VectorXd& error) {
   Eigen::Matrix<double, PairEquations::kShared, 1> shared;
-  shared << error.head<kExtrinsics>(), error.segment<kPose>(offsets[host.host]);
+  shared << error.head<kCommon>(), error.segment<kPose>(offsets[host.host]);
   std::vector<PairError> out;
   out.reserve(host.pairs.size());
   for (const PairEquations& pair : host.pairs) {

@@ -31,13 +31,15 @@ struct WindowEquations {
 /// by the errors of the camera pairs only: equations are summed up by pair, for each host, and
 /// expressed by the window's variables afterwards.
 
-/// Camera pair of a host and another image.
+/// Camera pair of a host and another image, or host and ground: four variables, the host's
+/// GroundView.
 struct PairEquations {
-  static constexpr int kShared = ExtrinsicsIndex::kSize + InertialIndex::kPoseSize;
+  static constexpr int kShared = SharedIndex::kSize + InertialIndex::kPoseSize;
 
-  std::size_t target = 0;                       ///< frame of the other image
-  Eigen::Matrix<double, 6, kShared> by_shared;  ///< by extrinsics, then the host's pose
-  Matrix6d by_target;
+  std::size_t target = 0;  ///< frame of the other image; of the ground the host
+  /// By the shared variables, then the host's pose.
+  Eigen::Matrix<double, 6, kShared> by_shared = Eigen::Matrix<double, 6, kShared>::Zero();
+  Matrix6d by_target = Matrix6d::Zero();
   Matrix6d H = Matrix6d::Zero();
   Vector6d g = Vector6d::Zero();
 };

@@ -44,11 +44,16 @@ Cost cost_of(const Window& window, const WindowScope& scope) {
     cost.total += 0.5 * (frame.state.velocity_in_world_m_s / *frame.rest_sigma_m_s).squaredNorm();
   }
   ReprojectionErrors errors(window);
+  GroundViews ground(window, false);
   for (const std::size_t i : scope.tracks) {
     const WindowTrack& track = window.tracks[i];
     const WindowObservation& host = track.observations.front();
     const Eigen::Vector2d residual = host.bearing - track.point->bearing;
     cost.total += 0.5 * residual.dot(host.information * residual);
+    if (track.ground_information > 0) {
+      const double height = ground.at(*window.find(host.frame_id)).height_ratio(*track.point);
+      cost.total += 0.5 * track.ground_information * height * height;
+    }
     for (std::size_t k = 1; k < track.observations.size(); ++k) {
       const double squared = errors.squared(track, track.observations[k]);
       constexpr double kBehindCamera = 1e4;
@@ -63,12 +68,13 @@ Cost cost_of(const Window& window, const WindowScope& scope) {
 // Values of all variables and points, to undo a step.
 struct Values {
   CameraExtrinsics extrinsics;
+  WindowGround ground;
   std::vector<InertialState> states;
   std::vector<InverseDepthPoint> points;
 };
 
 Values values_of(const Window& window, const WindowScope& scope) {
-  Values values{window.extrinsics, {}, {}};
+  Values values{window.extrinsics, window.ground, {}, {}};
   values.states.reserve(window.frames.size());
   for (const WindowFrame& frame : window.frames) values.states.push_back(frame.state);
   values.points.reserve(scope.tracks.size());
@@ -78,6 +84,7 @@ Values values_of(const Window& window, const WindowScope& scope) {
 
 void restore(const Values& values, const WindowScope& scope, Window& window) {
   window.extrinsics = values.extrinsics;
+  window.ground = values.ground;
   for (std::size_t i = 0; i < values.states.size(); ++i) {
     window.frames[i].state = values.states[i];
   }

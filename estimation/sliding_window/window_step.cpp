@@ -78,6 +78,8 @@ void apply_step(const Eigen::VectorXd& step, const WindowLinearization& linear, 
   const StepSimilarity similarity = similarity_of(step, linear.offsets, window);
   move_points(step, similarity.scale, linear, window);
   window.extrinsics = plus(window.extrinsics, step.head<ExtrinsicsIndex::kSize>());
+  window.ground =
+      plus(window.ground, step.segment<GroundIndex::kSize>(SharedIndex::kGround).eval());
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     WindowFrame& frame = window.frames[i];
     InertialError error = InertialError::Zero();

@@ -125,7 +125,7 @@ TEST(InitialPrior, KeepsPositionAndYawOfTheFirstFrame) {
   set_initial_prior(window, {});
   const RigidTransform before = pose(0);
   window.extrinsics.time_offset_s += 0.02;
-  linearize_at_present_extrinsics(window);
+  linearize_at_present(window);
   const RigidTransform last_from_first = pose(3).inverse() * pose(0);
   ASSERT_GT((pose(0).translation - before.translation).norm(), 5e-3);
   set_initial_prior(window, {});
@@ -161,6 +161,78 @@ TEST(SlidingWindow, InitializesAtRestByTheImu) {
   EXPECT_EQ(window.state().velocity_in_world_m_s.norm(), 0);
   const Eigen::Vector3d up = window.state().world_from_imu.rotation * Eigen::Vector3d::UnitZ();
   EXPECT_LT(angle_between_rad(up, Eigen::Vector3d(Eigen::Vector3d::UnitZ())), 1e-3);
+}
+
+// Motion over level ground, 4 m below, with objects on it; the camera looks down.
+struct FlightAboveGround {
+  explicit FlightAboveGround(double object_height_m, double given_height_ratio = 1) : run(3) {
+    constexpr double kHeight_m = 4;
+    run.motion.extrinsics.imu_from_camera = {so3_exp({3.1, 0.05, 0.02}), {-0.02, -0.06, 0.01}};
+    std::uniform_real_distribution<double> across(-4, 4);
+    std::uniform_real_distribution<double> height(0, object_height_m);
+    for (Eigen::Vector3d& point : run.points) {
+      point << across(run.random), across(run.random), height(run.random) - kHeight_m;
+    }
+    const RigidTransform true_first = run.motion.state(0).world_from_imu;
+    true_height_m = true_first.translation.z() + kHeight_m;
+    RigidTransform first = true_first;
+    first.translation.z() = given_height_ratio * true_height_m;
+    run.window.emplace(run.motion.extrinsics, first, kImu, InertialPriors{},
+                       StartAboveGround{.world_from_imu = first,
+                                        .height_sigma_m = 0.05 * true_height_m,
+                                        .tilt_sigma_rad = 0.02,
+                                        .level_slope_rad = 5e-4,
+                                        .relief = GroundRelief(true_height_m)});
+  }
+  // Of the displacement from the first frame.
+  [[nodiscard]] double error_m() const {
+    const Eigen::Vector3d estimated =
+        run.window->state().world_from_imu.translation - run.window->world_from_first().translation;
+    return (estimated - run.truth().world_from_imu.translation +
+            run.motion.state(0).world_from_imu.translation)
+        .norm();
+  }
+  [[nodiscard]] double sigma_m() const {
+    return std::sqrt(run.window->covariance().block<3, 3>(3, 3).trace());
+  }
+
+  WindowRun run;
+  double true_height_m = 0;
+};
+
+TEST(SlidingWindow, IsMetricFromTheSecondFrameAboveKnownGround) {
+  FlightAboveGround flight(0);
+  flight.run.step();
+  flight.run.step();
+  EXPECT_TRUE(flight.run.window->is_initialized());
+  EXPECT_LT(flight.error_m(), 0.02);
+}
+
+TEST(SlidingWindow, FindsThatTheGroundIsAPlaneAndLevel) {
+  FlightAboveGround flight(0);
+  while (flight.run.frame < 200) flight.run.step();
+  const std::optional<StartAboveGround>& start = flight.run.window->window().start;
+  ASSERT_TRUE(start);
+  EXPECT_TRUE(start->relief.is_plane());
+  EXPECT_TRUE(start->is_level);
+  EXPECT_LT(flight.error_m(), 4 * flight.sigma_m());
+}
+
+TEST(SlidingWindow, ImuCorrectsAWrongHeight) {
+  FlightAboveGround flight(0, 1.1);
+  while (flight.run.frame < 200) flight.run.step();
+  const Window& window = flight.run.window->window();
+  ASSERT_TRUE(window.start);
+  EXPECT_NEAR(window.ground.height_m, 0.1 * flight.true_height_m, 0.02 * flight.true_height_m);
+  EXPECT_LT(flight.error_m(), 4 * flight.sigma_m());
+}
+
+TEST(SlidingWindow, ForgetsAGroundThatIsNoPlane) {
+  FlightAboveGround flight(2);
+  while (flight.run.frame < 200) flight.run.step();
+  EXPECT_TRUE(flight.run.window->is_initialized());
+  EXPECT_FALSE(flight.run.window->window().start);
+  EXPECT_LT(flight.error_m(), 4 * flight.sigma_m());
 }
 
 TEST(SlidingWindow, IsNotInitializedAfterARestart) {

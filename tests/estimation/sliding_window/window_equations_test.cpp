@@ -28,6 +28,16 @@ Window displaced_window() {
   return window;
 }
 
+// As above, with a third of the points near a slope below the camera.
+Window window_above_ground() {
+  Window window = displaced_window();
+  window.ground = window.first_ground = {.slope = {0.02, -0.05}, .height_m = -3};
+  for (std::size_t i = 0; i < window.tracks.size(); i += 3) {
+    window.tracks[i].ground_information = 1e4;
+  }
+  return window;
+}
+
 WindowScope all_tracks(const Window& window) {
   WindowScope scope = whole_window(window);
   scope.imu_frames.clear();
@@ -44,9 +54,12 @@ Eigen::VectorXd residuals(const Window& window, const std::vector<double>& weigh
     const Eigen::Vector2d r = std::sqrt(weight) * root * (observation.bearing - seen);
     out.insert(out.end(), {r.x(), r.y()});
   };
+  GroundViews ground(window, false);
   std::size_t next = 0;
   for (const WindowTrack& track : window.tracks) {
     const std::size_t host = *window.find(track.observations.front().frame_id);
+    out.push_back(-std::sqrt(track.ground_information) *
+                  ground.at(host).height_ratio(*track.point));
     add(track.observations.front(), track.point->bearing, 1);
     for (std::size_t k = 1; k < track.observations.size(); ++k) {
       const std::size_t target = *window.find(track.observations[k].frame_id);
@@ -75,6 +88,8 @@ Window changed(const Window& window, int variable, double step) {
   const std::vector<int> offsets = window.offsets();
   if (variable < ExtrinsicsIndex::kSize) {
     out.extrinsics = plus(out.extrinsics, step * ExtrinsicsError::Unit(variable));
+  } else if (variable < SharedIndex::kSize) {
+    out.ground = plus(out.ground, step * GroundError::Unit(variable - SharedIndex::kGround));
   } else if (variable < offsets.back()) {
     std::size_t frame = window.frames.size() - 1;
     while (variable < offsets[frame]) --frame;
@@ -89,8 +104,7 @@ Window changed(const Window& window, int variable, double step) {
   return out;
 }
 
-TEST(WindowEquations, AreTheSchurComplementOfNumericJacobians) {
-  const Window window = displaced_window();
+void expect_equations_of_numeric_jacobians(const Window& window) {
   const std::vector<double> weights = huber_weights(window);
   ASSERT_LT(*std::min_element(weights.begin(), weights.end()), 0.9);
   const int kept = window.offsets().back();
@@ -120,6 +134,14 @@ TEST(WindowEquations, AreTheSchurComplementOfNumericJacobians) {
   EXPECT_LT(H_difference.cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_LT(unit.cwiseProduct(equations.gradient - expected_g).cwiseAbs().maxCoeff(),
             1e-5 * r.norm());
+}
+
+TEST(WindowEquations, AreTheSchurComplementOfNumericJacobians) {
+  expect_equations_of_numeric_jacobians(displaced_window());
+}
+
+TEST(WindowEquations, OfPointsOnTheGroundAreThoseOfNumericJacobians) {
+  expect_equations_of_numeric_jacobians(window_above_ground());
 }
 
 TEST(WindowEquations, ErrorsOfPairsAreThoseOfThePoses) {
