@@ -33,6 +33,7 @@ struct BatchArguments {
   std::vector<std::string> overrides;
   std::vector<std::string> only;
   fs::path out;
+  std::string shard;
   int jobs = 0;
   bool list = false;
   bool json = false;
@@ -147,7 +148,9 @@ void batch(const BatchArguments& arguments) {
   Study study = read_study(arguments.study, arguments.overrides);
   select_configurations(study, arguments.only);
   const fs::path folder = study_folder(arguments, study);
-  const std::vector<Job> jobs = make_jobs(study, file_digest("/proc/self/exe"));
+  const bool is_shard = !arguments.shard.empty();
+  const std::vector<Job> jobs = make_jobs(study, file_digest("/proc/self/exe"),
+                                          is_shard ? read_shard(arguments.shard) : Shard{});
   if (arguments.list) {
     for (const Job& job : jobs) {
       fmt::print("{} {}\n", is_finished(study, job, folder) ? "finished" : "pending ", job.id);
@@ -156,20 +159,26 @@ void batch(const BatchArguments& arguments) {
   }
   for (const Job& job : jobs) check_results_folder(job, folder);
   prepare_output_folder(folder / "jobs", 0);
-  const FolderLock lock(folder, WhenLocked::reject);
+  const FolderLock lock(folder, is_shard ? WhenLocked::share : WhenLocked::reject);
   std::vector<Job> pending;
   std::ranges::copy_if(jobs, std::back_inserter(pending),
                        [&](const Job& job) { return !is_finished(study, job, folder); });
   run_jobs(study, pending, folder, arguments.jobs);
-  const nlohmann::json results = study_json(study, jobs, folder);
-  write_results(arguments, folder, results);
   const auto finished =
       std::ranges::count_if(jobs, [&](const Job& job) { return is_finished(study, job, folder); });
+  const std::string count = fmt::format("{} of {} jobs finished, {} of them before\n", finished,
+                                        jobs.size(), jobs.size() - pending.size());
+  if (is_shard) {
+    fmt::print("{}", count);
+    if (interrupted()) throw Interrupted{};
+    return;
+  }
+  const nlohmann::json results = study_json(study, jobs, folder);
+  write_results(arguments, folder, results);
   if (arguments.json) {
     fmt::print("{}\n", json_text(results));
   } else {
-    fmt::print("{}{} of {} jobs finished, {} of them before\nreport       {}\n",
-               study_table(results), finished, jobs.size(), jobs.size() - pending.size(),
+    fmt::print("{}{}report       {}\n", study_table(results), count,
                (folder / "study.html").string());
   }
   if (interrupted()) throw Interrupted{};
@@ -194,6 +203,10 @@ void add_batch(CLI::App& app) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAMES");
+  command
+      ->add_option("--shard", arguments->shard,
+                   "Run the K-th of N parts of the jobs, without table and page; see below")
+      ->type_name("K/N");
   command->add_option("--jobs", arguments->jobs, "Number of parallel jobs (default: one per core)")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--list", arguments->list, "Print the jobs and exit");
@@ -205,7 +218,10 @@ void add_batch(CLI::App& app) {
       "Writes study.csv, study.json, study.html and, in jobs/, the results of each job. A job "
       "that\n"
       "has finished with the same program, configuration and inputs does not run again; a failed\n"
-      "one does. Exit status 1 if a job failed.");
+      "one does. Exit status 1 if a job failed.\n"
+      "Shards of one study run at the same time, on several computers (deploy/Snakefile: Slurm).\n"
+      "Exit status 0 when each job of the shard has ended; the call without --shard then writes\n"
+      "table and page.");
   command->callback([arguments] { batch(*arguments); });
 }
 

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "app/effective_config.hpp"
 #include "io/file_digest.hpp"
@@ -51,31 +52,47 @@ JobFiles::JobFiles(const fs::path& study_folder, const std::string& id)
       messages(study_folder / "jobs" / (id + ".txt")),
       results(study_folder / "jobs" / id) {}
 
-std::vector<Job> make_jobs(const Study& study, const std::string& program) {
+Shard read_shard(const std::string& text) {
+  std::istringstream stream(text);
+  Shard shard;
+  char slash = ' ';
+  stream >> shard.index >> slash >> shard.count;
+  if (!stream || !stream.eof() || slash != '/' || shard.index < 1 || shard.index > shard.count) {
+    throw InputError(
+        fmt::format("--shard: '{}'; expected K/N with K from 1 to N, such as 3/10", text));
+  }
+  return shard;
+}
+
+std::vector<Job> make_jobs(const Study& study, const std::string& program, Shard shard) {
   std::vector<Job> jobs;
   std::set<std::string> ids;
+  const auto in_shard = [&](std::size_t position) {
+    return static_cast<int>(position % static_cast<std::size_t>(shard.count)) == shard.index - 1;
+  };
   InputDigests digests;
   const auto add_job = [&](const Study::Flight& flight, const Study::Configuration& configuration,
                            const ConfigNode* seed) {
-    const EffectiveConfig config = effective_config(
-        study.command, document_of(study, flight, configuration, seed), study.estimators);
-    Job job{.id = flight.name,
-            .flight = flight.name,
-            .flight_group = flight.group,
-            .configuration = configuration.name,
-            .seed = seed != nullptr ? seed->text : "",
-            .config_yaml = config.yaml,
-            .inputs = config.inputs,
-            .hash = text_digest(fmt::format("{}\n{}\n{}\n{}\n{}\n{}", kHashVersion, program,
-                                            name_of(study.command), study.estimators, config.yaml,
-                                            digests.of(config.inputs)))};
-    if (!configuration.name.empty()) job.id += '-' + configuration.name;
-    if (seed != nullptr) job.id += '-' + seed->text;
-    if (!ids.insert(job.id).second) {
-      throw InputError("two jobs have the ID " + job.id +
+    std::string id = flight.name;
+    if (!configuration.name.empty()) id += '-' + configuration.name;
+    if (seed != nullptr) id += '-' + seed->text;
+    if (!ids.insert(id).second) {
+      throw InputError("two jobs have the ID " + id +
                        "; rename a flight or configuration, or remove a repeated seed");
     }
-    jobs.push_back(std::move(job));
+    if (!in_shard(ids.size() - 1)) return;
+    const EffectiveConfig config = effective_config(
+        study.command, document_of(study, flight, configuration, seed), study.estimators);
+    jobs.push_back({.id = std::move(id),
+                    .flight = flight.name,
+                    .flight_group = flight.group,
+                    .configuration = configuration.name,
+                    .seed = seed != nullptr ? seed->text : "",
+                    .config_yaml = config.yaml,
+                    .inputs = config.inputs,
+                    .hash = text_digest(fmt::format("{}\n{}\n{}\n{}\n{}\n{}", kHashVersion, program,
+                                                    name_of(study.command), study.estimators,
+                                                    config.yaml, digests.of(config.inputs)))});
   };
   for (const Study::Flight& flight : study.flights) {
     for (const Study::Configuration& configuration : study.configurations) {

@@ -33,9 +33,19 @@ struct JobFiles {
   std::filesystem::path results;   ///< jobs/ID/
 };
 
-/// Jobs of a study, seeds innermost. `program`: digest of the executable. Throws InputError on an
-/// invalid configuration and on two jobs with the same ID.
-[[nodiscard]] std::vector<Job> make_jobs(const Study& study, const std::string& program);
+/// Every `count`-th job of a study, from the `index`-th.
+struct Shard {
+  int index = 1;  ///< 1 to count
+  int count = 1;
+};
+
+/// K/N; throws InputError unless 1 <= K <= N.
+[[nodiscard]] Shard read_shard(const std::string& text);
+
+/// Jobs of a study, seeds innermost; only inputs of the shard are read. `program`: digest of the
+/// executable. Throws InputError on an invalid configuration and on two jobs with the same ID.
+[[nodiscard]] std::vector<Job> make_jobs(const Study& study, const std::string& program,
+                                         Shard shard = {});
 
 /// Arguments of this program for a job.
 [[nodiscard]] std::vector<std::string> arguments_of(const Study& study, const JobFiles& files);

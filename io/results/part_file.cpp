@@ -98,7 +98,8 @@ void remove_stale_parts(const fs::path& file) {
 
 FolderLock::FolderLock(const fs::path& folder, WhenLocked when_locked)
     : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  const int operation = LOCK_EX | (when_locked == WhenLocked::reject ? LOCK_NB : 0);
+  const int operation = (when_locked == WhenLocked::share ? LOCK_SH : LOCK_EX) |
+                        (when_locked == WhenLocked::wait ? 0 : LOCK_NB);
   while (descriptor_ >= 0 && flock(descriptor_, operation) != 0) {
     if (errno == EINTR) continue;
     if (errno != EWOULDBLOCK) return;

@@ -31,13 +31,14 @@ class PartFile {
 /// Removes the part files of killed processes; those of running processes are locked and stay.
 void remove_stale_parts(const std::filesystem::path& file);
 
-enum class WhenLocked { wait, reject };
+enum class WhenLocked { wait, reject, share };
 
-/// Exclusive lock on a folder across processes, so that results of simultaneous runs do not mix. No
+/// Lock on a folder across processes, so that results of simultaneous runs do not mix. No
 /// effect on file systems without locks.
 class FolderLock {
  public:
-  /// `reject`: throws InputError if another process has the lock.
+  /// `reject`: throws InputError if another process has the lock. `share`: only if it does not
+  /// share it.
   explicit FolderLock(const std::filesystem::path& folder,
                       WhenLocked when_locked = WhenLocked::wait);
   FolderLock(const FolderLock&) = delete;

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A study in processes: a failing flight, a changed key, two calls at once, Ctrl-C and kill -9.
+# A study in processes: a failing flight, a changed key, shards, two calls at once, Ctrl-C and kill -9.
 # usage: batch_test.sh STILLKITE FLIGHT_YAML EUROC_DATA_SET OUT
 stillkite=$1 flight=$2 dataset=$3 out=$4
 rm -rf "$out" "$out.source"
@@ -41,6 +41,18 @@ batch 0 'pending  good-start' --list
 batch 0 '2 of 2 jobs finished, 1 of them before'
 batch 0 '2 of 2 jobs finished, 2 of them before'
 
+# Shards: a failed job does not fail its shard, and the call without --shard writes the table.
+cat > "$study" <<END
+flights: {good: $flight, broken: broken.yaml}
+configurations: {whole: {}, start: {source.end_s: 0.2}}
+END
+rm -r "$out"
+batch 0 '^1 of 2 jobs finished, 0 of them before' --shard 1/2
+[ ! -e "$out/study.csv" ] || fail "a shard wrote a table"
+batch 0 '^1 of 2 jobs finished, 0 of them before' --shard 2/2
+batch 2 "'3/2'; expected K/N with K from 1 to N" --shard 3/2
+batch 1 '^2 of 4 jobs finished, 2 of them before'
+
 # A long job: the images of a data set, repeated.
 cam0=$out.source/mav0/cam0
 cp -r "$dataset/mav0/cam0/data" "$dataset/mav0/cam0/sensor.yaml" "$cam0"
@@ -53,9 +65,9 @@ flights: [long.yaml]
 configurations: {quick: {source.end_s: 0.05}, slow: {}}
 END
 
-# Starts the study, one job at a time, and waits for the long job.
+# Starts the study, one job at a time, and waits for the long job. Arguments are those of batch.
 start_slow() {
-  "$stillkite" batch "$study" --out "$out" --jobs 1 > "$out.messages" 2>&1 &
+  "$stillkite" batch "$study" --out "$out" --jobs 1 "$@" > "$out.messages" 2>&1 &
   pid=$!
   tries=0
   # a killed call leaves a part file with the number of its process
@@ -82,6 +94,8 @@ start_slow
 "$stillkite" batch "$study" --out "$out" > "$out.second" 2>&1
 [ $? -eq 2 ] || fail "a second call in the same folder was accepted"
 grep -q 'another process writes to this folder' "$out.second" || fail "missing message"
+"$stillkite" batch "$study" --out "$out" --shard 1/2 > "$out.second" 2>&1
+[ $? -eq 2 ] || fail "a shard was accepted in the folder of a whole study that runs"
 kill -KILL $pid
 wait $pid 2> /dev/null
 expect_stopped
@@ -92,5 +106,15 @@ wait $pid
 status=$?
 [ $status -eq 130 ] || fail "exit status $status, expected 130"
 grep -q '1 of 2 jobs finished, 1 of them before' "$out.messages" || fail "a finished job ran again"
+expect_stopped
+
+# Shards run at the same time; the whole study does not run meanwhile.
+start_slow --shard 2/2
+"$stillkite" batch "$study" --out "$out" --shard 1/2 > "$out.second" 2>&1 ||
+  fail "a second shard was rejected"
+"$stillkite" batch "$study" --out "$out" > "$out.second" 2>&1
+[ $? -eq 2 ] || fail "the whole study was accepted while a shard runs"
+kill -KILL $pid
+wait $pid 2> /dev/null
 expect_stopped
 exit 0

@@ -65,6 +65,33 @@ TEST(JobList, IsTheProductOfFlightsConfigurationsAndSeeds) {
             Names{"calm"});
 }
 
+TEST(JobList, HasEachJobInOneShardWithTheSameHash) {
+  const TemporaryFolder folder;
+  const Study study = study_of(folder, kTwoByTwo);
+  const std::vector<Job> jobs = make_jobs(study, "");
+  for (const int count : {1, 3, 10}) {
+    for (int index = 1; index <= count; ++index) {
+      std::size_t position = static_cast<std::size_t>(index) - 1;
+      for (const Job& job : make_jobs(study, "", {.index = index, .count = count})) {
+        ASSERT_LT(position, jobs.size());
+        EXPECT_EQ(job.id, jobs[position].id);
+        EXPECT_EQ(job.hash, jobs[position].hash);
+        position += static_cast<std::size_t>(count);
+      }
+      EXPECT_GE(position, jobs.size()) << "a job is missing";
+    }
+  }
+}
+
+TEST(JobList, ReadsAShard) {
+  const Shard shard = read_shard("3/10");
+  EXPECT_EQ(shard.index, 3);
+  EXPECT_EQ(shard.count, 10);
+  for (const char* text : {"0/3", "4/3", "-1/3", "1", "1/", "a/b", "1/3x", "1/99999999999"}) {
+    EXPECT_THROW((void)read_shard(text), InputError) << text;
+  }
+}
+
 // Groups of keys are merged, as by --set plant.wind.mean_m_s=3.
 TEST(JobList, SetsKeysInTheOrderFlightSettingsConfigurationSeed) {
   const TemporaryFolder folder;
