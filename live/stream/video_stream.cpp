@@ -5,6 +5,7 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
@@ -23,6 +24,19 @@ namespace {
 
 constexpr double kProbe_s = 5;  // for the first key frame
 constexpr int kPoll_ms = 50;
+
+// Loads libavdevice, which only cameras need: it depends on 50 more Debian packages, and loading
+// them takes half of the start of a command. Throws AccessError without it.
+void register_devices() {
+  const std::string name = fmt::format("libavdevice.so.{}", LIBAVDEVICE_VERSION_MAJOR);
+  void* library = dlopen(name.c_str(), RTLD_NOW);  // never closed
+  void* function = library != nullptr ? dlsym(library, "avdevice_register_all") : nullptr;
+  if (function == nullptr) {
+    throw AccessError(fmt::format("cameras need {}; install it: apt install libavdevice{}", name,
+                                  LIBAVDEVICE_VERSION_MAJOR));
+  }
+  reinterpret_cast<decltype(&avdevice_register_all)>(function)();
+}
 
 // Cause and, where libav's text is not enough, remedy.
 std::string error_text(int error) {
@@ -126,7 +140,7 @@ void VideoStream::open(const StreamAddress& address) {
                                     kBlock_bytes, 0, this, read_standard_input, nullptr, nullptr));
     context->pb = input_.get();
   } else if (address.kind == StreamKind::device) {
-    avdevice_register_all();
+    register_devices();
     context->flags |= AVFMT_FLAG_NONBLOCK;  // a read that waits for an image cannot be interrupted
     format = av_find_input_format("v4l2");
   } else if (address.kind == StreamKind::udp) {
