@@ -183,7 +183,7 @@ TEST(JobRecord, IsValidForItsHashOnly) {
   write_job_record(file, {.hash = "a", .failure = "lost", .wall_s = 2});
   EXPECT_FALSE(read_job_record(file, "b"));
   EXPECT_EQ(read_job_record(file, "a")->failure, "lost");
-  folder.write("job.json", "{\"schema_version\": 1, \"hash\": ");
+  folder.write("job.json", R"({"schema_version": 1, "hash": )");
   EXPECT_FALSE(read_job_record(file, "a"));
 }
 
