@@ -21,8 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 STILLKITE = ROOT / "build/release/app/stillkite"
 DATA = pathlib.Path(os.environ.get("STILLKITE_DATA", ROOT / "../shared/data")).resolve()
 SEEDS = (1, 2, 3)
-# Without the truth's first pose there is no height; position and yaw then begin at zero, without consistency.
-SOLVERS = {"window, no height": ["fusion.solver=window", "initial.from_truth=false"],
+SOLVERS = {"window, no height": ["fusion.solver=window", "navigator.sensors.start_height_sigma_ratio=1"],
            "window": ["fusion.solver=window"],
            "filter": ["fusion.solver=filter"]}
 
@@ -58,8 +57,8 @@ def absolute_trajectory_error_m(pairs):
     return math.sqrt(squared / len(pairs))
 
 
-def figures_of(folder, truth, has_origin=True):
-    """Cells of one run; '-' for figures that it does not have. `has_origin`: its poses are in the truth's world."""
+def figures_of(folder, truth):
+    """Cells of one run; '-' for figures that it does not have."""
     with open(folder / "estimates.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     metric = [row for row in rows if row["x [m]"] and row["scale"] != "none" and row["verdict"] == "ok"]
@@ -76,7 +75,7 @@ def figures_of(folder, truth, has_origin=True):
     return [f"{stamp_s(metric[0]) - stamp_s(rows[0]):.2f}",
             f"{1e3 * absolute_trajectory_error_m(pairs):.1f}",
             f"{math.hypot(*velocity):.4f}" if velocity else "-",
-            f"{100 * position['share_beyond_5_sigma']:.1f}" if position and has_origin else "-"] + frame_times(summary)
+            f"{100 * position['share_beyond_5_sigma']:.1f}" if position else "-"] + frame_times(summary)
 
 
 def frame_times(summary):
@@ -113,7 +112,7 @@ def main():
             folder = out / "runs" / f"{name}-{solver}".replace(" ", "_").replace(",", "")
             keys = ["estimator.policy=fused", *solver_keys, *settings]
             stillkite("run", config, *(part for key in keys for part in ("--set", key)), "--out", folder)
-            print(line.format(name, solver, *figures_of(folder, truth, "initial.from_truth=false" not in keys)), flush=True)
+            print(line.format(name, solver, *figures_of(folder, truth)), flush=True)
 
 
 if __name__ == "__main__":

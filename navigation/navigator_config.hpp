@@ -125,7 +125,8 @@ struct SensorConfig {
     field("attitude_sigma_rad", self.attitude_sigma_rad, Range{1e-9, 1e9},
           "standard deviation of roll and pitch");
     field("start_height_sigma_ratio", self.start_height_sigma_ratio, Range{1e-9, 1e9},
-          "relative standard deviation of the initial height, once a sensor measures height");
+          "relative standard deviation of the initial height, once a sensor or, for "
+          "fusion.solver: window, the IMU measures it; the window ignores a height above 0.3");
     field("accel_bias_sigma_m_s2", self.accel_bias_sigma_m_s2, Range{1e-6, 10},
           "standard deviation of the accelerometer's initial bias, for fusion.solver: window");
     field("camera_rotation_sigma_rad", self.camera_rotation_sigma_rad, Range{1e-6, 1},

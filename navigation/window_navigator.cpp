@@ -35,8 +35,10 @@ InertialPriors inertial_priors(const NavigatorConfig& config) {
 
 std::optional<StartAboveGround> start_above_ground(const NavigatorConfig& config,
                                                    const InitialState& initial) {
+  constexpr double kMaxHeightSigma_ratio = 0.3;  // else the scale is as good as unknown
   constexpr double kMinSlope_rad = 1e-6;
   if (initial.scale == ScaleSource::none) return std::nullopt;
+  if (config.sensors.start_height_sigma_ratio > kMaxHeightSigma_ratio) return std::nullopt;
   const double height_m = initial.world_from_body.translation.z();
   StartAboveGround start{.world_from_imu = initial.world_from_body,
                          .height_sigma_m = config.sensors.start_height_sigma_ratio * height_m,

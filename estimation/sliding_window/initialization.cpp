@@ -216,10 +216,7 @@ void initialize_at_rest(Window& window, const InitialRest& rest) {
 
 Initialization initialize_above_ground(Window& window, const InertialPriors& priors) {
   constexpr int kMaxIterations = 20;
-  constexpr double kMinGround_ratio = 0.8;       // nothing measures the others
-  constexpr double kMaxHeightSigma_ratio = 0.3;  // else the scale is as good as unknown
-  const double height_m = window.start->world_from_imu.translation.z();
-  if (!(window.start->height_sigma_m < kMaxHeightSigma_ratio * height_m)) return {};
+  constexpr double kMinGround_ratio = 0.8;  // nothing measures the others
   for (WindowTrack& track : window.tracks) track.point.reset();
   const std::size_t placed = place_on_ground(window);
   const auto seen = std::ranges::count_if(

@@ -247,14 +247,13 @@ void SlidingWindow::forget_ground() {
   }
 }
 
-// Back to the measurements alone, for a new initialization.
+// For a new initialization. The gyroscope bias, which rotations show, stays.
 void SlidingWindow::forget_estimate() {
   window_.extrinsics = window_.first_extrinsics = window_.calibrated;
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
     WindowFrame& frame = window_.frames[i];
     frame.first_estimate.reset();
     frame.state.velocity_in_world_m_s.setZero();
-    frame.state.gyro_bias_rad_s.setZero();
     frame.state.accel_bias_m_s2.setZero();
     if (i > 0) integrate_imu(window_, i);
   }
