@@ -1,5 +1,6 @@
 #include "estimation/sliding_window/ground_points.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -32,9 +33,8 @@ class PointHeights {
           inverse_depth_information(pairs_.at(host, target), *track.point, track.observations[k]);
     }
     information /= view.height_m * view.height_m;  // of the height over the depth
-    constexpr double kUnknownVariance_ratio2 = 1e6;
-    const double variance =
-        std::min(1 / information, kUnknownVariance_ratio2 / track.point->inverse_depth);
+    constexpr double kUnknownVariance = 1e6;
+    const double variance = std::min(1 / information, kUnknownVariance);
     // without the ground's own pull
     const double ratio =
         view.height_ratio(*track.point) * (1 + track.ground_information * variance);
@@ -93,8 +93,8 @@ void update_ground_points(Window& window) {
   for (const auto& [track, height] : points) {
     const double probability = relief.probability(height);
     track->ground_information = ground_information(relief, probability, *track->point);
-    const double rise_m = std::abs(window.start->world_from_imu.translation.z());
-    const bool is_seen = std::sqrt(height.variance_m2) < kMaxSigma_ratio * rise_m;
+    const double camera_height_m = window.start->world_from_imu.translation.z();
+    const bool is_seen = std::sqrt(height.variance_m2) < kMaxSigma_ratio * camera_height_m;
     if (probability < kMinProbability && !is_seen) {
       track->point.reset();
       track->ground_information = 0;
@@ -110,8 +110,10 @@ void level_ground(Window& window) {
   const auto slope = Eigen::seqN(SharedIndex::kGround + GroundIndex::kSlope, 2);
   const Eigen::Matrix2d P = (*covariance)(slope, slope);
   const double before = window.start->slope_sigma();
-  const double ratio = before * before / std::sqrt(P.determinant()) *
-                       std::exp(-0.5 * window.ground.slope.dot(P.inverse() * window.ground.slope));
+  if (*window.start->level_slope_rad >= before) return;
+  const Eigen::Vector2d& s = window.ground.slope;
+  const double ratio =
+      before * before / std::sqrt(P.determinant()) * std::exp(-0.5 * s.dot(P.ldlt().solve(s)));
   if (!(ratio > kMinRatio)) return;
   window.start->is_level = true;
   const double after = window.start->slope_sigma();

@@ -165,7 +165,9 @@ TEST(SlidingWindow, InitializesAtRestByTheImu) {
 
 // Motion over level ground, 4 m below, with objects on it; the camera looks down.
 struct FlightAboveGround {
-  explicit FlightAboveGround(double object_height_m, double given_height_ratio = 1) : run(3) {
+  explicit FlightAboveGround(double object_height_m, double given_height_ratio = 1,
+                             double level_slope_rad = 5e-4)
+      : run(3) {
     constexpr double kHeight_m = 4;
     run.motion.extrinsics.imu_from_camera = {so3_exp({3.1, 0.05, 0.02}), {-0.02, -0.06, 0.01}};
     std::uniform_real_distribution<double> across(-4, 4);
@@ -181,7 +183,7 @@ struct FlightAboveGround {
                        StartAboveGround{.world_from_imu = first,
                                         .height_sigma_m = 0.05 * true_height_m,
                                         .tilt_sigma_rad = 0.02,
-                                        .level_slope_rad = 5e-4,
+                                        .level_slope_rad = level_slope_rad,
                                         .relief = GroundRelief(true_height_m)});
   }
   // Of the displacement from the first frame.
@@ -215,6 +217,16 @@ TEST(SlidingWindow, FindsThatTheGroundIsAPlaneAndLevel) {
   ASSERT_TRUE(start);
   EXPECT_TRUE(start->relief.is_plane());
   EXPECT_TRUE(start->is_level);
+  EXPECT_LT(flight.error_m(), 4 * flight.sigma_m());
+}
+
+// A level ground that may slope more than any other takes nothing from the prior.
+TEST(SlidingWindow, LevelGroundIsNoLessCertainThanASlope) {
+  FlightAboveGround flight(0, 1, 0.2);
+  while (flight.run.frame < 100) flight.run.step();
+  const std::optional<StartAboveGround>& start = flight.run.window->window().start;
+  ASSERT_TRUE(start);
+  EXPECT_FALSE(start->is_level);
   EXPECT_LT(flight.error_m(), 4 * flight.sigma_m());
 }
 
