@@ -180,10 +180,12 @@ void EstimateChoice::align_flow_to_reference(const EstimatePair& estimates) {
       rotated(estimates.reference.rotation_covariance, estimates.initial_from_reference.rotation);
 }
 
+// What the camera has moved meanwhile is as uncertain as the difference is large.
 void EstimateChoice::resume_flow(const MotionEstimate& flow) {
-  decision_.initial_from_flow.translation +=
-      decision_.initial_from_camera.translation -
-      (decision_.initial_from_flow * pose_of(flow)).translation;
+  const Eigen::Vector3d change = decision_.initial_from_camera.translation -
+                                 (decision_.initial_from_flow * pose_of(flow)).translation;
+  decision_.initial_from_flow.translation += change;
+  decision_.correction_covariance.diagonal().head<3>().array() += change.squaredNorm();
 }
 
 void EstimateChoice::set_source(EstimateSource source) {

@@ -256,6 +256,16 @@ TEST(EstimateChoice, ResumesInterruptedFlowWithoutJump) {
                   .initial_from_camera.translation.isApprox(1.1 * kForward));
 }
 
+TEST(EstimateChoice, MotionDuringAnInterruptionIsUncertain) {
+  EstimateChoice choice({});
+  (void)choice.step(pair_of(flow_at(kForward), reference_towards(kForward)));
+  const MotionEstimate later = flow_at(1.5 * kForward);
+  (void)choice.step(pair_of(lost(later), reference_towards(kForward)));
+  const EstimateDecision resumed = choice.step(pair_of(later, lost(reference_towards(kForward))));
+  EXPECT_EQ(resumed.source, EstimateSource::flow);
+  EXPECT_NEAR(resumed.correction_covariance(0, 0), 0.5 * 0.5, 1e-12);
+}
+
 TEST(EstimateChoice, TreatsNonFiniteEstimateAsLost) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EstimateChoice choice({});
