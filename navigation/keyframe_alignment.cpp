@@ -125,11 +125,12 @@ PlaneAlignment KeyframeNavigator::align_with_velocity(const PlaneMotion& initial
 
 // The tiles measure the product of translation and normal, so the motion for another normal follows
 // to first order. Beyond that, align again with the normal held.
-KeyframeView KeyframeNavigator::make_view(const PlaneAlignment& alignment,
-                                          const std::optional<Eigen::Vector3d>& normal) {
+KeyframeView KeyframeNavigator::make_view(const PlaneAlignment& alignment) {
   constexpr double kMaxSecondOrder_rad = 1e-5;
+  const std::optional<Eigen::Vector3d>& normal = hints_.normal;
   TiltPrior tilt = tilt_prior(track_.keyframe(), config_.levelling);
-  const KeyframeView view{alignment.motion, tilt.axes, alignment.plane_likelihood};
+  const KeyframeView view{alignment.motion, tilt.axes, alignment.plane_likelihood,
+                          alignment.measured_likelihood};
   if (!normal || !tilt.covariance) return view;
   const Eigen::Vector2d tilt_change_rad =
       tilt.axes.transpose() * alignment.motion.normal.cross(*normal);
@@ -143,7 +144,7 @@ KeyframeView KeyframeNavigator::make_view(const PlaneAlignment& alignment,
   const PlaneAlignment refined =
       aligner_.align(current_, initial, tilt, alignment.shutter, smooth_errors());
   if (classify(refined) != Verdict::ok) return view;  // the hinted normal may be wrong
-  return {refined.motion, tilt.axes, refined.plane_likelihood};
+  return {refined.motion, tilt.axes, refined.plane_likelihood, refined.measured_likelihood};
 }
 
 SmoothErrors KeyframeNavigator::smooth_errors() const {

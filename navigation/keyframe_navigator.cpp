@@ -59,6 +59,7 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
                                            const SensorReadings& readings, const FlowHints& hints) {
   StopWatch watch;
   view_.reset();
+  hints_ = hints;
   set_mask(frame.mask);
   // 1. Build the image pyramid.
   current_.build(frame.grey, config_.alignment.levels);
@@ -70,12 +71,12 @@ NavigationEstimate KeyframeNavigator::step(const Frame& frame, const FrameInterv
   // 3. Align the image to the keyframe, from the predicted motion.
   store_tile_positions(interval);
   const PlaneAlignment alignment =
-      interval.rejection ? PlaneAlignment{} : align(hints.allow_search && relief_.is_flat());
+      interval.rejection ? PlaneAlignment{} : align(hints_.allow_search && relief_.is_flat());
   const double flow_ms = watch.lap_ms();
   // 4. Validate the alignment.
   const Verdict verdict = interval.rejection ? *interval.rejection : validate(alignment);
   // 5. Chain it to the keyframe, level both by the plane's normal, and filter; or coast.
-  update_track(verdict, alignment, hints, readings, frame, interval);
+  update_track(verdict, alignment, readings, frame, interval);
   // 6. Replace a keyframe that is almost out of view or does not align any more.
   const bool new_keyframe = renew_keyframe(verdict, alignment, interval);
   NavigationEstimate out = answer(frame, verdict);
@@ -196,8 +197,8 @@ void KeyframeNavigator::set_image_shift(NavigationEstimate& out) const {
 }
 
 void KeyframeNavigator::update_track(Verdict verdict, const PlaneAlignment& alignment,
-                                     const FlowHints& hints, const SensorReadings& readings,
-                                     const Frame& frame, const FrameInterval& interval) {
+                                     const SensorReadings& readings, const Frame& frame,
+                                     const FrameInterval& interval) {
   not_flat_motion_.reset();
   if (verdict == Verdict::not_flat) not_flat_motion_ = alignment.motion;
   if (interval.rejection) {
@@ -208,7 +209,7 @@ void KeyframeNavigator::update_track(Verdict verdict, const PlaneAlignment& alig
     track_.coast_over_rejection(readings, frame.stamp);
     return;
   }
-  view_ = make_view(alignment, hints.normal);
+  view_ = make_view(alignment);
   track_.update(alignment, readings, frame.stamp, frame.stamp_sigma_s);
   // a keyframe taken before the velocity converged needs it for its rolling shutter
   if (is_speed_initializing()) track_.set_keyframe_twist(track_.filter().twist_in_camera());

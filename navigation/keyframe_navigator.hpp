@@ -16,7 +16,7 @@ namespace stillkite {
 /// Inputs of an enclosing filter.
 struct FlowHints {
   bool allow_search = true;  ///< search the image for a lost keyframe, several times an alignment
-  std::optional<Eigen::Vector3d> normal;  ///< ground normal in the keyframe, used by `view()` only
+  std::optional<Eigen::Vector3d> normal = {};  ///< of the ground in the keyframe, for `view()` only
 };
 
 /// Recommended mode: every image is aligned to a keyframe (docs/plane_odometry.md).
@@ -27,6 +27,9 @@ class KeyframeNavigator {
 
   NavigationEstimate step(const Frame& frame, const FrameInterval& interval,
                           const SensorReadings& readings, const FlowHints& hints = {});
+
+  /// Makes the last frame the keyframe.
+  void take_keyframe();
 
   /// Flow of the tiles since the previous frame; empty if nothing was aligned.
   [[nodiscard]] std::vector<WeightedFlow> flow_vectors() const;
@@ -53,15 +56,14 @@ class KeyframeNavigator {
   [[nodiscard]] bool is_speed_initializing() const;
   [[nodiscard]] PlaneAlignment align_with_velocity(const PlaneMotion& initial,
                                                    const MultipleModelFilter& velocity);
-  [[nodiscard]] KeyframeView make_view(const PlaneAlignment& alignment,
-                                       const std::optional<Eigen::Vector3d>& normal);
+  [[nodiscard]] KeyframeView make_view(const PlaneAlignment& alignment);
   void store_tile_positions(const FrameInterval& interval);
   void for_each_tile(auto&& visit) const;
   void set_image_shift(NavigationEstimate& out) const;
   [[nodiscard]] SmoothErrors smooth_errors() const;
   [[nodiscard]] Verdict validate(const PlaneAlignment& alignment);
   [[nodiscard]] Verdict classify(const PlaneAlignment& alignment) const;
-  void update_track(Verdict verdict, const PlaneAlignment& alignment, const FlowHints& hints,
+  void update_track(Verdict verdict, const PlaneAlignment& alignment,
                     const SensorReadings& readings, const Frame& frame,
                     const FrameInterval& interval);
   // true if this frame is the keyframe now
@@ -70,7 +72,6 @@ class KeyframeNavigator {
   // both return true if a new keyframe is needed
   [[nodiscard]] bool count_success(const PlaneAlignment& alignment);
   [[nodiscard]] bool count_failure(Verdict verdict, const FrameInterval& interval);
-  void take_keyframe();
   [[nodiscard]] NavigationEstimate answer(const Frame& frame, Verdict verdict) const;
 
   Camera camera_;
@@ -81,6 +82,7 @@ class KeyframeNavigator {
   ReliefFilter relief_;
   std::shared_ptr<const ImageMask> mask_;
   Pyramid current_;  // the keyframe's pyramid is held by the aligner
+  FlowHints hints_;
   std::optional<KeyframeView> view_;
   std::optional<PlaneMotion> not_flat_motion_;  // of the last frame with this verdict
   int tiles_at_keyframe_ = 0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "estimation/sliding_window/epipolar_rotation.hpp"
+#include "estimation/sliding_window/reprojection_errors.hpp"
 #include "flow/standstill_detector.hpp"
 #include "geometry/chi_square.hpp"
 #include "navigation/assumptions.hpp"
@@ -75,6 +76,7 @@ WindowNavigator::WindowNavigator(const Camera& camera, const RigidTransform& bod
       max_unmeasured_s_(config.trust.max_gap_s),
       rest_depth_m_(rest_depth_m(initial, body_from_camera)),
       features_(camera, config.lens_sigma_px),
+      flow_(camera, body_from_camera, config, initial),
       window_({.imu_from_camera = body_from_camera}, initial.world_from_body,
               imu_noise(config.fusion), inertial_priors(config),
               start_above_ground(config, initial)),
@@ -85,19 +87,20 @@ WindowNavigator::WindowNavigator(const Camera& camera, const RigidTransform& bod
 NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval& interval,
                                          const SensorReadings& readings) {
   StopWatch watch;
-  if (interval.rejection == Verdict::first_frame) return initialize(frame);
+  if (interval.rejection == Verdict::first_frame) return initialize(frame, interval, readings);
   if (frame.stamp <= last_) return answer(frame, Verdict::time_gap, false);
   // 1. Track the features of the latest keyframe.
   const bool is_image_usable = interval.rejection != Verdict::frozen;
   const std::vector<FeatureObservation> features =
       is_image_usable ? features_.track(frame) : std::vector<FeatureObservation>();
+  const std::optional<KeyframeView> ground = align_to_ground(frame, interval, readings);
   const double flow_ms = watch.lap_ms();
   // 2. Predict by the IMU; estimate all states and points of the window.
   const std::vector<ImuInterval> imu = imu_intervals(readings.inertial, imu_known_until_);
   if (!imu.empty()) imu_known_until_ = imu.back().to;
   const std::optional<CameraRest> camera_rest = rest(frame, interval);
   const bool was_initialized = window_.is_initialized();
-  window_.add_frame(frame.stamp, imu, features, camera_rest);
+  window_.add_frame(frame.stamp, imu, features, camera_rest, ground);
   if (!was_initialized && window_.is_initialized()) {
     origin_covariance_ = unmeasured_covariance(camera_rest ? camera_rest->since
                                                            : window_.window().frames.front().stamp);
@@ -122,17 +125,47 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
   out.relocalized = is_relocalized;
   out.measured_rate_in_camera_rad_s = image_rate(features);
   if (new_keyframe) take_keyframe(frame);
+  take_ground_keyframe();
   keep_reference();
   out.stage_ms = {0, flow_ms, watch.lap_ms(), 0};
   return out;
 }
 
-NavigationEstimate WindowNavigator::initialize(const Frame& frame) {
+NavigationEstimate WindowNavigator::initialize(const Frame& frame, const FrameInterval& interval,
+                                               const SensorReadings& readings) {
   first_stamp_ = previous_ = last_ = last_measured_ = imu_known_until_ = frame.stamp;
-  window_.add_frame(frame.stamp, {}, {});
+  window_.add_frame(frame.stamp, {}, {}, {}, align_to_ground(frame, interval, readings));
   take_keyframe(frame);
+  take_ground_keyframe();
   keep_reference();
   return answer(frame, Verdict::first_frame, true);
+}
+
+// As long as the ground is taken for a plane.
+std::optional<KeyframeView> WindowNavigator::align_to_ground(const Frame& frame,
+                                                             const FrameInterval& interval,
+                                                             const SensorReadings& readings) {
+  has_flow_keyframe_ = false;
+  const Window& window = window_.window();
+  if (!window.start) return std::nullopt;
+  FlowHints hints;
+  if (const auto keyframe = window.find(window.ground_keyframe_id)) {
+    const GroundView ground = GroundViews(window, false).at(*keyframe);
+    hints.normal = -ground.normal.normalized();
+  }
+  has_flow_keyframe_ = flow_.step(frame, interval, readings, hints).new_keyframe;
+  return flow_.view();
+}
+
+// The flow's keyframe, or a new one if the window does not have it.
+void WindowNavigator::take_ground_keyframe() {
+  const Window& window = window_.window();
+  if (!window.start) return;
+  if (!has_flow_keyframe_) {
+    if (window.find(window.ground_keyframe_id)) return;
+    flow_.take_keyframe();
+  }
+  window_.take_ground_keyframe();
 }
 
 // A new reference keyframe of the window is the latest one, or at rest an image like it.

@@ -8,6 +8,7 @@
 #include "navigation/frame_interval.hpp"
 #include "navigation/inertial_findings.hpp"
 #include "navigation/keyframe_features.hpp"
+#include "navigation/keyframe_navigator.hpp"
 #include "navigation/navigation_estimate.hpp"
 #include "navigation/navigator_config.hpp"
 #include "navigation/sensor_readings.hpp"
@@ -31,7 +32,8 @@ class WindowNavigator {
   [[nodiscard]] std::vector<InertialFinding> inertial_findings() const;
 
  private:
-  [[nodiscard]] NavigationEstimate initialize(const Frame& frame);
+  [[nodiscard]] NavigationEstimate initialize(const Frame& frame, const FrameInterval& interval,
+                                              const SensorReadings& readings);
   [[nodiscard]] std::optional<CameraRest> rest(const Frame& frame,
                                                const FrameInterval& interval) const;
   [[nodiscard]] Verdict verdict(const FrameInterval& interval) const;
@@ -40,6 +42,10 @@ class WindowNavigator {
   void restart(Timestamp stamp);
   [[nodiscard]] std::optional<Eigen::Vector3d> image_rate(
       const std::vector<FeatureObservation>& features);
+  [[nodiscard]] std::optional<KeyframeView> align_to_ground(const Frame& frame,
+                                                            const FrameInterval& interval,
+                                                            const SensorReadings& readings);
+  void take_ground_keyframe();
   void take_keyframe(const Frame& frame);
   void keep_reference();
   void lose_reference();
@@ -56,6 +62,7 @@ class WindowNavigator {
   double max_unmeasured_s_;
   double rest_depth_m_;  // of the scene, for the velocity sigma at rest before any point is known
   KeyframeFeatures features_;
+  KeyframeNavigator flow_;
   SlidingWindow window_;
   std::int64_t reference_id_ = -1;
   // Reference keyframe before a restart, with the covariance of its pose, order of
@@ -74,9 +81,10 @@ class WindowNavigator {
   Timestamp previous_;
   Timestamp last_;
   Timestamp last_measured_;
-  Matrix6d origin_covariance_;   // pose of the window's first frame, (translation, rotation) in W
-  double rate_sigma_rad_s_;      // by the gyroscope with an unknown bias
-  double unmeasured_speed_m_s_;  // sigma without an initialization
+  Matrix6d origin_covariance_;  // pose of the window's first frame, (translation, rotation) in W
+  double rate_sigma_rad_s_;     // by the gyroscope with an unknown bias
+  bool has_flow_keyframe_ = false;  // the flow has taken the present frame
+  double unmeasured_speed_m_s_;     // sigma without an initialization
 };
 
 }  // namespace stillkite

@@ -10,6 +10,7 @@ struct KeyframeView {
   PlaneMotion motion;  ///< keyframe to current; unit of length: height of the keyframe
   TiltAxes tilt_axes = TiltAxes::Identity();
   PlaneLikelihood likelihood;  ///< without the tilt prior
+  PlaneLikelihood measured;    ///< the same with smooth errors as the residuals show them
 };
 
 }  // namespace stillkite

@@ -3,15 +3,17 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "estimation/lens_error.hpp"
+#include "estimation/plane/smooth_residual.hpp"
 #include "geometry/camera.hpp"
 
 namespace stillkite {
 namespace {
 
-constexpr int kClustersAcross = 8;
+constexpr int kClustersAcross = PlaneObservations::kClustersAcross;
 constexpr int kClustersDown = PlaneObservations::kClusters / kClustersAcross;
 
 // Maximum displacement of a tile corner by deformation for the first-order warp.
@@ -146,7 +148,11 @@ PlaneAlignment PlaneAligner::align(const Pyramid& current, const PlaneMotion& in
       if (out.last_update_px < kConverged_px) break;
     }
   }
-  if (out.solvable) assess(solution, out);
+  if (out.solvable) {
+    assess(solution,
+           smooth_sigma_rad(levels_.front(), out.motion, {.lens_sigma_px = smooth.lens_sigma_px}),
+           out);
+  }
   if (out.solvable && rolling_shutter) out.motion_by_twist = motion_by_twist(solution);
   return out;
 }
@@ -228,6 +234,17 @@ double PlaneAligner::smooth_sigma_rad(const Level& level, const PlaneMotion& mot
   return std::hypot(lens_px, relief_px) / level.camera.focal_x_px;
 }
 
+// Residuals show the part of a smooth error that no plane motion explains. A plane takes up
+// kLinearRatio times that of self-affine terrain (Hurst exponent 0.8).
+double PlaneAligner::smooth_residual_rad(const PlaneSolution& solution) const {
+  constexpr double kLinearRatio = 2;
+  const auto residual =
+      measure_smooth_residual(observations(levels_.front()), solution, solver_.weights());
+  if (!residual) return std::numeric_limits<double>::infinity();
+  const double residual_px = std::sqrt(std::max(0.0, residual->variance_px2) + residual->sigma_px2);
+  return kLinearRatio * residual_px / levels_.front().camera.focal_x_px;
+}
+
 double PlaneAligner::update_px(const Level& level, const PlaneMotionStep& step) const {
   double sum = 0;
   int count = 0;
@@ -264,7 +281,8 @@ void PlaneAligner::match_brightness(PlaneAlignment& out, bool adapt) const {
   if (adapt) out.gain = std::clamp(std::sqrt(variance / contrast), 0.3, 3.0);
 }
 
-void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
+void PlaneAligner::assess(const PlaneSolution& solution, double lens_sigma_rad,
+                          PlaneAlignment& out) {
   const Level& finest = levels_.front();
   const PlaneObservations tiles = observations(finest);
   const std::vector<float>& w = solver_.weights();
@@ -292,6 +310,10 @@ void PlaneAligner::assess(const PlaneSolution& solution, PlaneAlignment& out) {
   const PlaneMotionMatrix scatter = solver_.scatter(tiles, solution);
   out.covariance = covariance_of(solution, scatter);
   out.plane_likelihood = plane_likelihood(solution, scatter, out.tilt_rad);
+  PlaneSolution measured = solution;
+  measured.smooth_factor = smooth_factor(solution.information - solution.prior,
+                                         std::hypot(lens_sigma_rad, smooth_residual_rad(solution)));
+  out.measured_likelihood = plane_likelihood(measured, scatter, out.tilt_rad);
   const Matrix6d A = solution.information.topLeftCorner<6, 6>();
   out.smooth_covariance = (solution.smooth_factor - 1) * A.ldlt().solve(Matrix6d::Identity());
   const Vector6d scale = A.diagonal().cwiseSqrt().cwiseInverse();

@@ -38,8 +38,10 @@ struct PlaneAlignment {
   Matrix6d smooth_covariance =
       Matrix6d::Zero();  ///< from spatially smooth flow errors; dt in heights
   Eigen::Vector2d tilt_rad =
-      Eigen::Vector2d::Zero();                  ///< rotation of the normal from its prior mean
-  PlaneLikelihood plane_likelihood;             ///< without the tilt prior; dt in heights
+      Eigen::Vector2d::Zero();       ///< rotation of the normal from its prior mean
+  PlaneLikelihood plane_likelihood;  ///< without the tilt prior; dt in heights
+  /// The same with the smooth errors that the residuals show, instead of the expected ones.
+  PlaneLikelihood measured_likelihood;
   std::optional<ReliefMeasurement> relief;      ///< empty without parallax
   RollingShutter shutter;                       ///< of this alignment
   Matrix6d motion_by_twist = Matrix6d::Zero();  ///< d(motion)/d(current twist), rolling shutter
@@ -100,9 +102,10 @@ class PlaneAligner {
   [[nodiscard]] float deformation_px(const TileGrid& grid) const;
   [[nodiscard]] double smooth_sigma_rad(const Level& level, const PlaneMotion& motion,
                                         const SmoothErrors& smooth) const;
+  [[nodiscard]] double smooth_residual_rad(const PlaneSolution& solution) const;
   [[nodiscard]] double update_px(const Level& level, const PlaneMotionStep& step) const;
   void match_brightness(PlaneAlignment& out, bool adapt) const;
-  void assess(const PlaneSolution& solution, PlaneAlignment& out);
+  void assess(const PlaneSolution& solution, double lens_sigma_rad, PlaneAlignment& out);
   [[nodiscard]] Matrix6d motion_by_twist(const PlaneSolution& solution);
 
   PlaneAlignmentConfig config_;

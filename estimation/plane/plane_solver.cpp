@@ -41,14 +41,6 @@ struct ScaledSolver {
   }
 };
 
-// k = 1 + sigma^2 A_rot. A smooth flow error acts as a rotation of all bearings by sigma and does
-// not average out over the tiles. In a climb, tilt flow resembles motion flow and absorbs the
-// error.
-double smooth_factor(const PlaneMotionMatrix& information, double smooth_sigma_rad) {
-  const double rotation_information = 0.5 * (information(3, 3) + information(4, 4));
-  return 1 + smooth_sigma_rad * smooth_sigma_rad * rotation_information;
-}
-
 // Tilt information with the motion marginalized (Schur complement).
 Eigen::Matrix2d marginal_tilt_information(const PlaneMotionMatrix& information) {
   const Eigen::Matrix<double, 6, 2> tilt_motion_cross = information.topRightCorner<6, 2>();
@@ -58,6 +50,14 @@ Eigen::Matrix2d marginal_tilt_information(const PlaneMotionMatrix& information) 
 }
 
 }  // namespace
+
+// k = 1 + sigma^2 A_rot. A smooth flow error acts as a rotation of all bearings by sigma and does
+// not average out over the tiles. In a climb, tilt flow resembles motion flow and absorbs the
+// error.
+double smooth_factor(const PlaneMotionMatrix& information, double smooth_sigma_rad) {
+  const double rotation_information = 0.5 * (information(3, 3) + information(4, 4));
+  return 1 + smooth_sigma_rad * smooth_sigma_rad * rotation_information;
+}
 
 PlaneSolution PlaneSolver::solve(const PlaneObservations& tiles, const TiltPrior& prior,
                                  const Eigen::Vector2d& tilt_rad, double smooth_sigma_rad) {

@@ -24,6 +24,7 @@ struct PlaneObservations {
   float pixels = 0;                 ///< per tile
 
   static constexpr int kClusters = 48;
+  static constexpr int kClustersAcross = 8;
 
   /// Minimum trace of the structure tensor of a textured tile: well above that of pixel noise.
   [[nodiscard]] float min_trace() const { return 4.0F * pixels; }
@@ -76,6 +77,10 @@ class PlaneSolver {
   PlaneSolverConfig config_;
   std::vector<float> weights_, chi2_, scratch_;
 };
+
+/// Variance factor of smooth flow errors of this standard deviation, >= 1. `information`: of the
+/// tiles alone.
+[[nodiscard]] double smooth_factor(const PlaneMotionMatrix& information, double smooth_sigma_rad);
 
 /// Step to the plane that explains the tiles best, without the tilt prior.
 [[nodiscard]] PlaneMotionStep step_without_prior(const PlaneSolution& solution);

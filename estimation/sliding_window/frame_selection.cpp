@@ -1,5 +1,6 @@
 #include "estimation/sliding_window/frame_selection.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -47,6 +48,15 @@ std::optional<std::int64_t> reference_partner(const Window& window) {
   return best;
 }
 
+// The present one, or that before as long as the present one is of the chain.
+bool is_ground_keyframe(const Window& window, std::int64_t id) {
+  if (id == window.ground_keyframe_id) return true;
+  return std::ranges::any_of(window.alignments, [&](const GroundAlignment& alignment) {
+    return alignment.is_link && alignment.keyframe_id == id &&
+           window.frames[*window.find(alignment.frame_id)].has_motion;
+  });
+}
+
 }  // namespace
 
 std::size_t redundant_keyframe(const Window& window) {
@@ -57,7 +67,9 @@ std::size_t redundant_keyframe(const Window& window) {
     if (window.frames[i].has_motion) continue;
     poses.push_back(i);
     const std::int64_t id = window.frames[i].id;
-    if (id != window.reference_id && id != partner) candidates.push_back(i);
+    if (id != window.reference_id && id != partner && !is_ground_keyframe(window, id)) {
+      candidates.push_back(i);
+    }
   }
   constexpr double kMinVisible_ratio = 0.05;
   for (const std::size_t i : candidates) {

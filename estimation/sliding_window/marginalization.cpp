@@ -63,11 +63,21 @@ void remove_observations(Window& window, std::int64_t frame_id) {
   }
 }
 
+bool is_of(const GroundAlignment& alignment, std::int64_t frame_id) {
+  return alignment.keyframe_id == frame_id || alignment.frame_id == frame_id;
+}
+
+void remove_alignments(Window& window, std::int64_t frame_id) {
+  std::erase_if(window.alignments,
+                [&](const GroundAlignment& alignment) { return is_of(alignment, frame_id); });
+}
+
 // Removes a frame with its observations; the prior does not depend on it.
 void remove_variables(Window& window, std::size_t frame) {
   const Eigen::Index first = window.offsets()[frame];
   const Eigen::Index count = window.frames[frame].size();
   remove_observations(window, window.frames[frame].id);
+  remove_alignments(window, window.frames[frame].id);
   window.frames.erase(window.frames.begin() + static_cast<std::ptrdiff_t>(frame));
   MarginalPrior& prior = window.prior;
   const std::vector<Eigen::Index> kept = others(prior.gradient.size(), first, count);
@@ -104,6 +114,11 @@ void marginalize_frame(Window& window, std::size_t frame) {
     const WindowTrack& track = window.tracks[i];
     if (track.point && track.observations.front().frame_id == id) scope.tracks.push_back(i);
   }
+  // the others have errors in common with alignments to come
+  for (std::size_t i = 0; i < window.alignments.size(); ++i) {
+    const GroundAlignment& alignment = window.alignments[i];
+    if (alignment.is_link && is_of(alignment, id)) scope.alignments.push_back(i);
+  }
   WindowEquations equations = window_equations(window, scope);
   equations = without(equations, window.offsets()[frame], window.frames[frame].size());
   keep_ground_points(window, scope.tracks);
@@ -114,6 +129,7 @@ void marginalize_frame(Window& window, std::size_t frame) {
                   [&](const WindowObservation& o) { return o.frame_id != newest; });
   }
   remove_observations(window, id);
+  remove_alignments(window, id);
   // the chain is interrupted here: what its factors measured is in the prior
   if (frame + 1 < window.frames.size() && frame > 0 && window.frames[frame - 1].has_motion) {
     window.frames[frame + 1].imu = ImuPreintegration(window.frames[frame + 1].imu.noise());

@@ -5,11 +5,13 @@
 #include <utility>
 
 #include "estimation/sliding_window/frame_selection.hpp"
+#include "estimation/sliding_window/ground_equations.hpp"
 #include "estimation/sliding_window/ground_points.hpp"
 #include "estimation/sliding_window/marginalization.hpp"
 #include "estimation/sliding_window/triangulation.hpp"
 #include "estimation/sliding_window/window_solver.hpp"
 #include "estimation/sliding_window/window_tracks.hpp"
+#include "geometry/chi_square.hpp"
 
 namespace stillkite {
 namespace {
@@ -44,7 +46,8 @@ SlidingWindow::SlidingWindow(const CameraExtrinsics& extrinsics,
 void SlidingWindow::begin_with(WindowFrame first) {
   window_.frames.clear();
   window_.tracks.clear();
-  window_.reference_id = -1;
+  window_.alignments.clear();
+  window_.reference_id = window_.ground_keyframe_id = -1;
   window_.prior.information = Eigen::MatrixXd::Zero(SharedIndex::kSize, SharedIndex::kSize);
   window_.prior.gradient = Eigen::VectorXd::Zero(SharedIndex::kSize);
   append_frame(window_, std::move(first));
@@ -52,7 +55,8 @@ void SlidingWindow::begin_with(WindowFrame first) {
 
 void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuInterval> readings,
                               std::span<const FeatureObservation> features,
-                              const std::optional<CameraRest>& rest) {
+                              const std::optional<CameraRest>& rest,
+                              const std::optional<KeyframeView>& ground) {
   add_readings(readings);
   if (next_frame_id_ == 0) {
     window_.frames.back().id = next_frame_id_++;
@@ -73,8 +77,9 @@ void SlidingWindow::add_frame(Timestamp stamp, std::span<const ImuInterval> read
   } else {
     is_thinned = thin_batch();
   }
-  // 2. Features of known tracks.
+  // 2. Features of known tracks, and the ground.
   add_observations(window_, features);
+  if (ground) align_to_ground(*ground);
   // 3. Estimate all states.
   if (!is_initialized_) {
     if (!is_thinned) remove_oldest();
@@ -103,6 +108,16 @@ void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features,
     level_ground(window_);
   }
   remove_empty_tracks(window_);
+}
+
+void SlidingWindow::take_ground_keyframe() {
+  WindowFrame& newest = window_.frames.back();
+  newest.is_keyframe = true;
+  window_.ground_keyframe_id = newest.id;
+  for (GroundAlignment& alignment : window_.alignments) {
+    if (alignment.frame_id == newest.id) alignment.is_link = true;
+  }
+  if (is_initialized_ && !is_batch_) limit_keyframes();
 }
 
 // Late readings replace the gap at the end of the newest frames' intervals.
@@ -168,8 +183,25 @@ void SlidingWindow::add_points() {
   place_on_ground(window_);
 }
 
+void SlidingWindow::align_to_ground(const KeyframeView& ground) {
+  if (!window_.start || !window_.find(window_.ground_keyframe_id)) return;
+  const GroundAlignment alignment =
+      ground_alignment(ground, window_.ground_keyframe_id, window_.frames.back().id);
+  if (alignment.information.allFinite()) window_.alignments.push_back(alignment);
+}
+
+// One that the other measurements exclude is of another place of the ground.
+void SlidingWindow::reject_alignment() {
+  constexpr double kMaxSigmas = 5;
+  if (window_.alignments.empty()) return;
+  const GroundAlignment& newest = window_.alignments.back();
+  if (newest.frame_id != window_.frames.back().id) return;
+  if (squared_error(window_, newest) < chi_square_at_sigmas(kMaxSigmas, 6)) return;
+  window_.alignments.pop_back();
+}
+
 void SlidingWindow::remove_oldest() {
-  window_.start.reset();  // it has moved since
+  forget_start();  // it has moved since
   remove_first_frame(window_);
   restart_tracks(window_);
 }
@@ -230,10 +262,16 @@ void SlidingWindow::estimate_batch(bool is_full) {
   limit_keyframes();
 }
 
+void SlidingWindow::forget_start() {
+  window_.start.reset();
+  window_.alignments.clear();
+  window_.ground_keyframe_id = -1;
+  window_.ground = window_.first_ground = {};
+}
+
 // What is seen is no plane: its height gives no scale.
 void SlidingWindow::forget_ground() {
-  window_.start.reset();
-  window_.ground = window_.first_ground = {};
+  forget_start();
   for (WindowTrack& track : window_.tracks) {
     track.ground_information = 0;
     track.point = triangulate(window_, track);
@@ -275,14 +313,18 @@ void SlidingWindow::stay_at_rest(Timestamp stamp, std::span<const ImuInterval> r
       std::find_if(window_.frames.begin(), window_.frames.end(),
                    [&](const WindowFrame& earlier) { return earlier.stamp >= rest.since; });
   frame.state = at_rest == window_.frames.end() ? window_.frames.back().state : at_rest->state;
-  if (!is_at_rest_ && at_rest != window_.frames.begin()) window_.start.reset();
+  if (!is_at_rest_ && at_rest != window_.frames.begin()) forget_start();
   if (window_.start) window_.start->tilt_sigma_rad.reset();
+  const auto ground_keyframe = window_.find(window_.ground_keyframe_id);
+  const bool is_ground_kept =
+      ground_keyframe && window_.frames[*ground_keyframe].stamp >= rest.since;
   const Eigen::Quaterniond before = frame.state.world_from_imu.rotation;
   begin_with(std::move(frame));
   initialize_at_rest(window_, *rest_);
   set_initial_prior(window_, priors_, rest_);
   align_first_pose(before, state().world_from_imu.rotation);
   take_keyframe(features);
+  if (is_ground_kept) take_ground_keyframe();
   is_initialized_ = is_at_rest_ = is_batch_ = true;
   points_ = {};
   update_covariance();
@@ -321,8 +363,7 @@ void SlidingWindow::restart() {
   first.state = state();
   first.state.velocity_in_world_m_s.setZero();
   is_restarted_ = true;
-  window_.start.reset();
-  window_.ground = window_.first_ground = {};
+  forget_start();
   window_.extrinsics = window_.first_extrinsics = window_.calibrated;
   begin_with(std::move(first));
   is_initialized_ = is_batch_ = is_at_rest_ = false;
@@ -346,6 +387,7 @@ void SlidingWindow::estimate() {
     update_covariance();
   }
   points_ = reject_outliers(window_);
+  reject_alignment();
   update_ground_points(window_);
 }
 

@@ -33,9 +33,11 @@ class SlidingWindow {
 
   /// Adds an image with new IMU readings and the features of known tracks; estimates all states.
   /// Readings may be late, or ahead of the image. `rest`: the images show a camera at rest.
+  /// `ground`: dense alignment to the ground's keyframe.
   void add_frame(Timestamp stamp, std::span<const ImuInterval> readings,
                  std::span<const FeatureObservation> features,
-                 const std::optional<CameraRest>& rest = {});
+                 const std::optional<CameraRest>& rest = {},
+                 const std::optional<KeyframeView>& ground = {});
 
   /// Forgets everything but the pose; a new initialization follows.
   void restart();
@@ -48,6 +50,9 @@ class SlidingWindow {
   /// its image, instead of their observations in the newest frame, if any.
   void take_keyframe(std::span<const FeatureObservation> features,
                      std::span<const FeatureObservation> realigned = {});
+
+  /// Makes the newest frame the keyframe to which the ground of the next ones is aligned.
+  void take_ground_keyframe();
 
   [[nodiscard]] bool is_initialized() const { return is_initialized_; }
   [[nodiscard]] bool is_restarted() const { return is_restarted_; }
@@ -87,6 +92,8 @@ class SlidingWindow {
   void add_readings(std::span<const ImuInterval> readings);
   void forget_readings();
   void add_points();
+  void align_to_ground(const KeyframeView& ground);
+  void reject_alignment();
   void predict(Timestamp stamp);
   void thin_chain();
   [[nodiscard]] bool thin_batch();
@@ -94,6 +101,7 @@ class SlidingWindow {
   void try_initialization();
   [[nodiscard]] bool try_above_ground();
   void estimate_batch(bool is_full);
+  void forget_start();
   void forget_ground();
   void forget_estimate();
   void stay_at_rest(Timestamp stamp, std::span<const ImuInterval> readings,

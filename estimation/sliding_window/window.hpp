@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "estimation/sliding_window/ground_alignment.hpp"
 #include "estimation/sliding_window/ground_relief.hpp"
 #include "estimation/sliding_window/imu_timeline.hpp"
 #include "estimation/sliding_window/reprojection_factor.hpp"
@@ -108,9 +109,13 @@ struct Window {
   ImuTimeline imu;
   std::vector<WindowFrame> frames;
   std::vector<WindowTrack> tracks;  ///< by ascending number
+  /// To keyframes of the ground; grouped by keyframe, both by ascending number.
+  std::vector<GroundAlignment> alignments;
   MarginalPrior prior;
   /// Keyframe that stays, so that a return to it corrects what has drifted since.
   std::int64_t reference_id = -1;
+  /// Keyframe to which images are aligned over the ground; -1: none.
+  std::int64_t ground_keyframe_id = -1;
 
   /// Time of a frame's state in the IMU's clock.
   [[nodiscard]] Timestamp imu_time(Timestamp image) const;

@@ -1,10 +1,12 @@
 #include "estimation/sliding_window/window_equations.hpp"
 
 #include <Eigen/LU>
+#include <numeric>
 #include <optional>
 #include <span>
 
 #include "estimation/robust_kernel.hpp"
+#include "estimation/sliding_window/ground_equations.hpp"
 #include "estimation/sliding_window/imu_factor.hpp"
 #include "estimation/sliding_window/reprojection_errors.hpp"
 
@@ -59,33 +61,6 @@ class EquationsIndex {
   std::vector<std::optional<std::size_t>> hosts_;
   std::vector<std::optional<std::size_t>> pairs_;
 };
-
-PairEquations pair_equations(const Window& window, std::size_t host, std::size_t target,
-                             const CameraPair& pair) {
-  const PairJacobians by = pair_jacobians(pair);
-  PairEquations out;
-  out.target = target;
-  out.by_shared.leftCols<ExtrinsicsIndex::kSize>() << by.by_extrinsics,
-      by.by_host * window.frames[host].pose_rate() +
-          by.by_target * window.frames[target].pose_rate();
-  out.by_shared.rightCols<kPose>() = by.by_host;
-  out.by_target = by.by_target;
-  return out;
-}
-
-PairEquations ground_equations(const Window& window, std::size_t host) {
-  const GroundViewJacobians by = ground_view_jacobians(
-      window.first_ground, window.frames[host].world_from_imu_after(window.image_shift_s(), true),
-      window.first_extrinsics.imu_from_camera);
-  PairEquations out;
-  out.target = host;
-  auto rows = out.by_shared.topRows<4>();
-  rows.leftCols<ExtrinsicsIndex::kSize>() << by.by_extrinsics,
-      by.by_pose * window.frames[host].pose_rate();
-  rows.middleCols<GroundIndex::kSize>(SharedIndex::kGround) = by.by_plane;
-  rows.rightCols<kPose>() = by.by_pose;
-  return out;
-}
 
 // A view of a point; left out behind the camera.
 void add_view(const WindowObservation& observation, const std::optional<Eigen::Vector2d>& seen,
@@ -215,6 +190,8 @@ WindowScope whole_window(const Window& window) {
     const bool is_measured = !window.frames[i].imu.samples().empty();
     if (window.frames[i - 1].has_motion && is_measured) scope.imu_frames.push_back(i);
   }
+  scope.alignments.resize(window.alignments.size());
+  std::iota(scope.alignments.begin(), scope.alignments.end(), std::size_t{0});
   return scope;
 }
 
@@ -273,13 +250,17 @@ WindowLinearization linearize(const Window& window, const WindowScope& scope) {
       std::optional<std::size_t>& ground_at = index.pair(host, host);
       if (!ground_at) {
         ground_at = equations.pairs.size();
-        equations.pairs.push_back(ground_equations(window, host));
+        equations.pairs.push_back(ground_pair_equations(window, host));
       }
       add_ground(track, present_ground.at(host), first_ground.at(host), *ground_at, point,
                  equations);
     }
     point.views = equations.views.size() - point.first_view;
     equations.points.push_back(point);
+  }
+  if (!scope.alignments.empty()) {
+    add_ground_alignments(window, scope.alignments, {present, first, present_ground, first_ground},
+                          out);
   }
   return out;
 }

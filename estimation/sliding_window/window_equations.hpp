@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "estimation/sliding_window/pair_equations.hpp"
 #include "estimation/sliding_window/window.hpp"
 
 namespace stillkite {
@@ -14,10 +15,11 @@ struct WindowScope {
   std::vector<std::size_t> tracks;       ///< with a point; indices in Window::tracks
   std::vector<std::size_t> imu_frames;   ///< frames whose IMU factor from the previous one counts
   std::vector<std::size_t> rest_frames;  ///< frames whose zero velocity counts
+  std::vector<std::size_t> alignments;   ///< indices in Window::alignments
   std::int64_t excluded_frame_id = -1;   ///< its observations do not count
 };
 
-/// All triangulated tracks, all IMU factors and the prior.
+/// All triangulated tracks, IMU factors, ground alignments and the prior.
 [[nodiscard]] WindowScope whole_window(const Window& window);
 
 /// Normal equations H d = g of the window's variables, the points eliminated (bundle adjustment:
@@ -30,19 +32,6 @@ struct WindowEquations {
 /// `window_equations` in two steps, for the values of the points. Residuals depend on the variables
 /// by the errors of the camera pairs only: equations are summed up by pair, for each host, and
 /// expressed by the window's variables afterwards.
-
-/// Camera pair of a host and another image, or host and ground: four variables, the host's
-/// GroundView.
-struct PairEquations {
-  static constexpr int kShared = SharedIndex::kSize + InertialIndex::kPoseSize;
-
-  std::size_t target = 0;  ///< frame of the other image; of the ground the host
-  /// By the shared variables, then the host's pose.
-  Eigen::Matrix<double, 6, kShared> by_shared = Eigen::Matrix<double, 6, kShared>::Zero();
-  Matrix6d by_target = Matrix6d::Zero();
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d g = Vector6d::Zero();
-};
 
 /// Normal equations of a point: V d = g - W (errors of its pairs).
 struct PointEquations {
@@ -68,8 +57,8 @@ struct HostEquations {
   std::vector<PointView> views;
 };
 
-/// Normal equations before the elimination of the points. `H`, `g`: of prior, IMU and rest; lower
-/// triangle only.
+/// Normal equations before the elimination of the points. `H`, `g`: of prior, IMU, rest and ground
+/// alignments; lower triangle only.
 struct WindowLinearization {
   Eigen::MatrixXd H;
   Eigen::VectorXd g;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "estimation/robust_kernel.hpp"
+#include "estimation/sliding_window/ground_equations.hpp"
 #include "estimation/sliding_window/imu_factor.hpp"
 #include "estimation/sliding_window/reprojection_errors.hpp"
 #include "estimation/sliding_window/window_step.hpp"
@@ -45,6 +46,8 @@ Cost cost_of(const Window& window, const WindowScope& scope) {
   }
   ReprojectionErrors errors(window);
   GroundViews ground(window, false);
+  CameraPairs pairs(window, false);
+  cost.total += ground_alignments_cost(window, scope.alignments, pairs, ground);
   for (const std::size_t i : scope.tracks) {
     const WindowTrack& track = window.tracks[i];
     const WindowObservation& host = track.observations.front();

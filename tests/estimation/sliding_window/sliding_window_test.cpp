@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "estimation/plane/keyframe_pose.hpp"
 #include "hand_held_motion.hpp"
 #include "true_window.hpp"
 
@@ -34,12 +35,13 @@ struct WindowRun {
   }
   void step_in_the_dark() { advance({}); }
 
-  void advance(const std::vector<FeatureObservation>& features) {
+  void advance(const std::vector<FeatureObservation>& features,
+               const std::optional<KeyframeView>& ground = {}) {
     const double t_s = kFrame_s * frame;
     const double until_s = t_s + std::max(0.0, time_offset_s);
     const auto readings = motion.readings(imu_s, until_s, kImu, random);
     imu_s = until_s;
-    window->add_frame(from_seconds(t_s), readings, features);
+    window->add_frame(from_seconds(t_s), readings, features, {}, ground);
     if (frame % 5 == 0 && !features.empty()) window->take_keyframe(features);
     ++frame;
   }
@@ -186,6 +188,33 @@ struct FlightAboveGround {
                                         .level_slope_rad = level_slope_rad,
                                         .relief = GroundRelief(true_height_m)});
   }
+  [[nodiscard]] RigidTransform ground_from_camera(int frame) const {
+    RigidTransform pose =
+        run.motion.state(kFrame_s * frame).world_from_imu * run.motion.extrinsics.imu_from_camera;
+    pose.translation.z() += true_height_m - run.motion.state(0).world_from_imu.translation.z();
+    return pose;
+  }
+
+  // With an alignment to the ground of relative accuracy 2e-4; `displacement`: its error, in
+  // heights.
+  void step_aligned(const Eigen::Vector3d& displacement = Eigen::Vector3d::Zero()) {
+    constexpr double kSigma = 2e-4;
+    constexpr int kKeyframeInterval = 20;
+    std::normal_distribution<double> normal(0, kSigma);
+    KeyframeView view{
+        .motion = motion_between(ground_from_camera(keyframe), ground_from_camera(run.frame))};
+    PlaneMotionStep noise = PlaneMotionStep::Zero();
+    for (double& x : noise.head<6>()) x = normal(run.random);
+    noise.head<3>() += displacement;
+    view.motion = apply(view.motion, noise, view.tilt_axes);
+    view.measured.covariance = kSigma * kSigma * Matrix6d::Identity();
+    run.advance(observe(run.motion, kFrame_s * run.frame, run.points, kBearingSigma, run.random),
+                view);
+    if (run.frame % kKeyframeInterval != 1) return;
+    keyframe = run.frame - 1;
+    run.window->take_ground_keyframe();
+  }
+
   // Of the displacement from the first frame.
   [[nodiscard]] double error_m() const {
     const Eigen::Vector3d estimated =
@@ -200,6 +229,7 @@ struct FlightAboveGround {
 
   WindowRun run;
   double true_height_m = 0;
+  int keyframe = 0;  // of the ground
 };
 
 TEST(SlidingWindow, IsMetricFromTheSecondFrameAboveKnownGround) {
@@ -228,6 +258,46 @@ TEST(SlidingWindow, LevelGroundIsNoLessCertainThanASlope) {
   ASSERT_TRUE(start);
   EXPECT_FALSE(start->is_level);
   EXPECT_LT(flight.error_m(), 4 * flight.sigma_m());
+}
+
+TEST(SlidingWindow, AlignmentsToTheGroundMakeTheMotionMoreAccurate) {
+  FlightAboveGround by_points(0), aligned(0);
+  double squared_by_points = 0, squared_aligned = 0;
+  while (aligned.run.frame < 200) {
+    by_points.run.step();
+    aligned.step_aligned();
+    squared_by_points += by_points.error_m() * by_points.error_m();
+    squared_aligned += aligned.error_m() * aligned.error_m();
+    if (aligned.run.frame < 10) continue;
+    EXPECT_LT(aligned.error_m(), 4 * aligned.sigma_m()) << aligned.run.frame;
+  }
+  EXPECT_LT(aligned.sigma_m(), 0.9 * by_points.sigma_m());
+  EXPECT_LT(squared_aligned, 0.8 * squared_by_points);
+}
+
+// An alignment by one period of a pattern off.
+TEST(SlidingWindow, RejectsAnAlignmentToAnotherPlace) {
+  FlightAboveGround flight(0);
+  while (flight.run.frame < 100) flight.step_aligned();
+  flight.step_aligned({0.05, 0, 0});
+  const Window& window = flight.run.window->window();
+  EXPECT_NE(window.alignments.back().frame_id, window.frames.back().id);
+  flight.step_aligned();
+  EXPECT_EQ(window.alignments.back().frame_id, window.frames.back().id);
+  EXPECT_LT(flight.error_m(), 4 * flight.sigma_m());
+}
+
+// Only alignments from one keyframe of the ground to the next enter the prior.
+TEST(SlidingWindow, KeepsAlignmentsWithinTheWindow) {
+  FlightAboveGround flight(0);
+  while (flight.run.frame < 150) flight.step_aligned();
+  const Window& window = flight.run.window->window();
+  EXPECT_TRUE(window.find(window.ground_keyframe_id));
+  ASSERT_FALSE(window.alignments.empty());
+  for (const GroundAlignment& alignment : window.alignments) {
+    EXPECT_TRUE(window.find(alignment.keyframe_id));
+    EXPECT_TRUE(window.find(alignment.frame_id));
+  }
 }
 
 TEST(SlidingWindow, ImuCorrectsAWrongHeight) {

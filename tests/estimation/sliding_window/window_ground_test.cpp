@@ -10,8 +10,8 @@ namespace stillkite {
 namespace {
 
 const WindowGround kHillside{.slope = {0.1, -0.05}, .height_m = -2};
-const RigidTransform kWorldFromImu{so3_exp({0.2, -0.1, 0.7}), {1, -2, 3}};
-const RigidTransform kImuFromCamera{so3_exp({3.0, 0.1, 0.1}), {0.1, 0.05, -0.2}};
+const RigidTransform kGroundWorldFromImu{so3_exp({0.2, -0.1, 0.7}), {1, -2, 3}};
+const RigidTransform kGroundImuFromCamera{so3_exp({3.0, 0.1, 0.1}), {0.1, 0.05, -0.2}};
 
 const Eigen::Quaterniond kMoveYaw = so3_exp({0, 0, 0.8});
 const Eigen::Vector3d kMoveFrom(1, 2, 3);
@@ -19,20 +19,20 @@ const Eigen::Vector3d kMoveTo(-4, 5, 1);
 
 // Height above the slope of a point on a ray at a depth.
 double height_above_hillside_m(const InverseDepthPoint& point) {
-  const Eigen::Vector3d x = kWorldFromImu * kImuFromCamera *
+  const Eigen::Vector3d x = kGroundWorldFromImu * kGroundImuFromCamera *
                             Eigen::Vector3d(point.bearing.homogeneous() / point.inverse_depth);
   return x.z() - kHillside.height_m - kHillside.slope.dot(x.head<2>());
 }
 
 TEST(WindowGround, ViewGivesTheHeightOfAPoint) {
-  const GroundView view = ground_view(kHillside, kWorldFromImu, kImuFromCamera);
+  const GroundView view = ground_view(kHillside, kGroundWorldFromImu, kGroundImuFromCamera);
   const InverseDepthPoint point{{0.2, -0.3}, 0.4};
   EXPECT_NEAR(view.height_ratio(point) / point.inverse_depth, height_above_hillside_m(point),
               1e-12);
 }
 
 TEST(WindowGround, PointOnGroundHasNoHeight) {
-  const GroundView view = ground_view(kHillside, kWorldFromImu, kImuFromCamera);
+  const GroundView view = ground_view(kHillside, kGroundWorldFromImu, kGroundImuFromCamera);
   const auto point = point_on_ground(view, {0.1, 0.2});
   ASSERT_TRUE(point);
   EXPECT_NEAR(height_above_hillside_m(*point), 0, 1e-12);
