@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Policy fused on flights with an IMU: sliding window, without and with the initial height, and filter (with it).
+"""Policy fused on flights with an IMU: sliding window without the initial height, with it, and with known height,
+mount and clock, as the filter assumes them; filter.
 
   bench/sliding_window.py OUT                     EuRoC MH_01 from 0 to 6 s on, simulated room and coast, 3 seeds
   bench/sliding_window.py OUT SIMULATION.yaml...  and flights of these configurations of `stillkite simulate`
@@ -23,6 +24,9 @@ DATA = pathlib.Path(os.environ.get("STILLKITE_DATA", ROOT / "../shared/data")).r
 SEEDS = (1, 2, 3)
 SOLVERS = {"window, no height": ["fusion.solver=window", "navigator.sensors.start_height_sigma_ratio=1"],
            "window": ["fusion.solver=window"],
+           "window, calibrated": ["fusion.solver=window", *(f"navigator.sensors.{key}" for key in (
+               "start_height_sigma_ratio=0.001", "lever_arm_sigma_m=0.002",
+               "camera_rotation_sigma_rad=0.0017", "time_offset_sigma_s=0.001"))],
            "filter": ["fusion.solver=filter"]}
 
 

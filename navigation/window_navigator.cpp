@@ -134,9 +134,9 @@ NavigationEstimate WindowNavigator::step(const Frame& frame, const FrameInterval
 NavigationEstimate WindowNavigator::initialize(const Frame& frame, const FrameInterval& interval,
                                                const SensorReadings& readings) {
   first_stamp_ = previous_ = last_ = last_measured_ = imu_known_until_ = frame.stamp;
-  window_.add_frame(frame.stamp, {}, {}, {}, align_to_ground(frame, interval, readings));
+  window_.add_frame(frame.stamp, {}, {});
+  (void)align_to_ground(frame, interval, readings);
   take_keyframe(frame);
-  take_ground_keyframe();
   keep_reference();
   return answer(frame, Verdict::first_frame, true);
 }
@@ -157,14 +157,14 @@ std::optional<KeyframeView> WindowNavigator::align_to_ground(const Frame& frame,
   return flow_.view();
 }
 
-// The flow's keyframe, or a new one if the window does not have it.
+// The flow's keyframe, or a new one if the window does not have it. The first one once
+// `can_align_to_ground`.
 void WindowNavigator::take_ground_keyframe() {
   const Window& window = window_.window();
   if (!window.start) return;
-  if (!has_flow_keyframe_) {
-    if (window.find(window.ground_keyframe_id)) return;
-    flow_.take_keyframe();
-  }
+  const bool has_keyframe = window.find(window.ground_keyframe_id).has_value();
+  if (has_keyframe ? !has_flow_keyframe_ : !window_.can_align_to_ground()) return;
+  if (!has_flow_keyframe_) flow_.take_keyframe();
   window_.take_ground_keyframe();
 }
 

@@ -40,8 +40,8 @@ class CommonErrors {
     V_(6, 6) = 1 / (relief * relief);
   }
 
-  // The normal is told once, by the alignment that knows it best: lens and relief displace all.
-  [[nodiscard]] bool tells_tilt(std::size_t alignment) const { return tilt_ == alignment; }
+  // The normal counts once, by the alignment that determines it best: lens and relief displace all.
+  [[nodiscard]] bool counts_tilt(std::size_t alignment) const { return tilt_ == alignment; }
 
   // Independent of the keyframe's image.
   [[nodiscard]] static Matrix6d half_information(const GroundAlignment& alignment) {
@@ -171,7 +171,7 @@ void add_keyframe(const Window& window, std::span<const std::size_t> alignments,
     const Matrix6d target_weighted = J.by_target.transpose() * L;
     Eigen::Matrix<double, kShared, kShared> H = shared_weighted * J.by_shared;
     Eigen::Matrix<double, kShared, 1> g = shared_weighted * residual.motion;
-    if (common.tells_tilt(i)) {
+    if (common.counts_tilt(i)) {
       const Eigen::Matrix<double, kShared, 2> weighted =
           J.tilt_by_shared.transpose() * alignment.tilt_information;
       H += weighted * J.tilt_by_shared;
@@ -220,7 +220,7 @@ double ground_alignments_cost(const Window& window, const std::vector<std::size_
       const Matrix6d L = CommonErrors::half_information(alignment);
       common.add(CommonErrors::by_common(residual), L, residual.motion);
       cost += 0.5 * residual.motion.dot(L * residual.motion);
-      if (common.tells_tilt(i)) cost += tilt_cost(alignment, residual.tilt_rad);
+      if (common.counts_tilt(i)) cost += tilt_cost(alignment, residual.tilt_rad);
     }
     cost -= common.cost();
   });

@@ -24,6 +24,8 @@ constexpr std::size_t kBatchFrames = 15;
 constexpr double kMinChainInterval_s = 0.045;
 constexpr double kMinInitialization_s = 0.4;
 constexpr int kMaxIterations = 4;
+// For first-estimate Jacobians.
+constexpr double kSettledScale_ratio = 0.005;
 
 }  // namespace
 
@@ -108,6 +110,14 @@ void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features,
     level_ground(window_);
   }
   remove_empty_tracks(window_);
+}
+
+bool SlidingWindow::can_align_to_ground() const {
+  constexpr double kMaxRotation_rad = 0.0035;  // 0.2 degrees
+  constexpr double kMaxLeverArm_m = 0.01;
+  return is_scale_measured() && window_.start && priors_.lever_arm_m <= kMaxLeverArm_m &&
+         priors_.camera_rotation_rad <= kMaxRotation_rad &&
+         height_sigma_ratio(window_) < kSettledScale_ratio;
 }
 
 void SlidingWindow::take_ground_keyframe() {
@@ -240,7 +250,6 @@ bool SlidingWindow::try_above_ground() {
 // All frames since the initialization, linearized anew with every frame, until the scale is known
 // well enough for first-estimate Jacobians, or the batch is full.
 void SlidingWindow::estimate_batch(bool is_full) {
-  constexpr double kSettledScale_ratio = 0.005;
   linearize_at_present(window_);
   set_initial_prior(window_, priors_, rest_);
   estimate();

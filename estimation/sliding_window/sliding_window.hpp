@@ -61,6 +61,9 @@ class SlidingWindow {
   [[nodiscard]] const InertialState& state() const { return window_.frames.back().state; }
   /// All measurements together, not the start's height alone, give the scale.
   [[nodiscard]] bool is_scale_measured() const { return is_initialized_ && !is_batch_; }
+  /// Height above the ground and calibrated mount are known well enough for first-estimate
+  /// Jacobians.
+  [[nodiscard]] bool can_align_to_ground() const;
   /// Pose at the newest image.
   [[nodiscard]] RigidTransform world_from_imu() const {
     return window_.frames.back().world_from_imu_after(window_.image_shift_s(), false);
