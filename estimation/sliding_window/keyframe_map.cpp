@@ -1,7 +1,6 @@
 #include "estimation/sliding_window/keyframe_map.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -52,8 +51,8 @@ PoseEquations pose_equations(const std::vector<MapView>& views,
       continue;
     }
     const Eigen::Vector2d by_depth = view.known->inverse_depth_sigma * expected->by_point.col(2);
-    const Eigen::Matrix2d information =
-        (view.feature->covariance + by_depth * by_depth.transpose()).inverse();
+    const Eigen::Matrix2d covariance = view.feature->covariance + by_depth * by_depth.transpose();
+    const Eigen::Matrix2d information = covariance.llt().solve(Eigen::Matrix2d::Identity());
     const Eigen::Vector2d residual = view.feature->bearing - expected->bearing;
     const double squared = residual.dot(information * residual);
     out.squared.push_back(squared);
@@ -136,7 +135,7 @@ std::optional<CameraInMap> locate_camera(const KeyframeMap& map,
       kMinInliers, static_cast<std::size_t>(kMinInliers_ratio * static_cast<double>(views.size())));
   if (inliers.size() < min_inliers) return std::nullopt;
   const PoseEquations fit = fit_pose(inliers, out.keyframe_from_camera);
-  out.covariance = fit.H.inverse();
+  out.covariance = fit.H.ldlt().solve(Matrix6d::Identity());
   out.inliers = static_cast<int>(inliers.size());
   if (!out.covariance.allFinite()) return std::nullopt;
   return out;

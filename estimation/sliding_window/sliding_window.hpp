@@ -61,8 +61,7 @@ class SlidingWindow {
   [[nodiscard]] const InertialState& state() const { return window_.frames.back().state; }
   /// All measurements together, not the start's height alone, give the scale.
   [[nodiscard]] bool is_scale_measured() const { return is_initialized_ && !is_batch_; }
-  /// Height above the ground and calibrated mount are known well enough for first-estimate
-  /// Jacobians.
+  /// The height above the ground is given and measured to 0.5 %.
   [[nodiscard]] bool can_align_to_ground() const;
   /// Pose at the newest image.
   [[nodiscard]] RigidTransform world_from_imu() const {
@@ -90,6 +89,8 @@ class SlidingWindow {
   [[nodiscard]] int contradictions() const { return contradictions_; }
 
  private:
+  static constexpr double kSettledScale_ratio = 0.005;  // for first-estimate Jacobians
+
   void begin_with(WindowFrame first);
   void align_first_pose(const Eigen::Quaterniond& before, const Eigen::Quaterniond& after);
   void add_readings(std::span<const ImuInterval> readings);

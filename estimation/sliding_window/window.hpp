@@ -88,6 +88,11 @@ struct StartAboveGround {
   GroundRelief relief;
   bool is_level = false;  ///< the measured slope is that of a level ground
 
+  /// The height is known well enough for first-estimate Jacobians of alignments to the ground.
+  [[nodiscard]] bool is_height_known() const {
+    constexpr double kMaxSigma_ratio = 0.005;
+    return height_sigma_m <= kMaxSigma_ratio * world_from_imu.translation.z();
+  }
   /// Standard deviation of the ground's slope, per axis.
   [[nodiscard]] double slope_sigma() const {
     constexpr double kBeach = 0.05;  // one in twenty

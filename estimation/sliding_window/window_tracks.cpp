@@ -1,6 +1,6 @@
 #include "estimation/sliding_window/window_tracks.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -16,7 +16,7 @@ namespace {
 WindowObservation observation_of(const FeatureObservation& feature, std::int64_t frame_id) {
   return {.frame_id = frame_id,
           .bearing = feature.bearing,
-          .information = feature.covariance.inverse()};
+          .information = feature.covariance.llt().solve(Eigen::Matrix2d::Identity())};
 }
 
 WindowTrack* find_track(Window& window, std::int64_t id) {
