@@ -57,18 +57,17 @@ GroundAlignmentResidual ground_alignment_residual(const GroundAlignment& alignme
   out.tilt_rad = alignment.tilt_axes.transpose() * aligned.normal.cross(normal);
   out.motion = in_keyframe<1>(aligned.rotation, motion) + alignment.motion_by_tilt * out.tilt_rad;
   Vector6d by_log_height;
-  by_log_height << t, Eigen::Vector3d::Zero();
+  by_log_height << aligned.translation, Eigen::Vector3d::Zero();
   out.by_log_height = in_keyframe<1>(aligned.rotation, by_log_height);
   return out;
 }
 
-// Predicted motion: dt = db / h - t dh / h, rotation r. Normal: dn = -(I - n n^T) dN / |N|, h = H /
-// |N|.
+// Predicted motion: dt = (db - t dh) / h, rotation r. Normal: dn = -(I - n n^T) dN / |N|, h = H /
+// |N|. With t as aligned h t - b is linear: the linearization point does not measure the scale.
 GroundAlignmentJacobians ground_alignment_jacobians(const GroundAlignment& alignment,
-                                                    const CameraPair& pair,
                                                     const GroundView& ground) {
   const auto [normal, distance_m] = unit_normal(ground);
-  const Eigen::Vector3d t = pair.baseline_m / distance_m;
+  const Eigen::Vector3d& t = alignment.motion.translation;
   const double norm = ground.normal.norm();
   GroundAlignmentJacobians out;
   out.tilt_by_ground.leftCols<3>() =

@@ -46,7 +46,6 @@ struct GroundAlignmentJacobians {
   Eigen::Matrix<double, 2, 4> tilt_by_ground;
 };
 [[nodiscard]] GroundAlignmentJacobians ground_alignment_jacobians(const GroundAlignment& alignment,
-                                                                  const CameraPair& pair,
                                                                   const GroundView& ground);
 
 }  // namespace stillkite

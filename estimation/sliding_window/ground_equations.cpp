@@ -103,7 +103,7 @@ Jacobians jacobians(const Window& window, const GroundAlignment& alignment, std:
   const std::size_t target = *window.find(alignment.frame_id);
   const CameraPair& first = geometry.first.at(keyframe, target);
   const GroundAlignmentJacobians by =
-      ground_alignment_jacobians(alignment, first, geometry.first_ground.at(keyframe));
+      ground_alignment_jacobians(alignment, geometry.first_ground.at(keyframe));
   const PairEquations pair = pair_equations(window, keyframe, target, first);
   const auto ground_by_shared = ground.by_shared.topRows<4>();
   return {.target = target,

@@ -105,6 +105,7 @@ class SlidingWindow {
   void try_initialization();
   [[nodiscard]] bool try_above_ground();
   void estimate_batch(bool is_full);
+  [[nodiscard]] bool is_settled() const;
   void forget_start();
   void forget_ground();
   void forget_estimate();

@@ -59,15 +59,23 @@ bool SlidingWindow::try_above_ground() {
   return true;
 }
 
-// All frames since the initialization, linearized anew with every frame, until the scale is known
-// well enough for first-estimate Jacobians, or the batch is full.
+// Scale and vertical are known well enough for first-estimate Jacobians.
+bool SlidingWindow::is_settled() const {
+  constexpr double kMaxTilt_rad = kSettledScale_ratio;
+  if (!(scale_sigma_ratio(window_) < kSettledScale_ratio)) return false;
+  if (window_.start && !(height_sigma_ratio(window_) < kSettledScale_ratio)) return false;
+  const Eigen::Matrix3d R = state().world_from_imu.rotation.toRotationMatrix();
+  const Eigen::Matrix3d rotation = R * covariance_.topLeftCorner<3, 3>() * R.transpose();
+  return rotation.diagonal().head<2>().maxCoeff() < kMaxTilt_rad * kMaxTilt_rad;
+}
+
+// All frames since the initialization, linearized anew with every frame, until the estimate is
+// settled or the batch is full.
 void SlidingWindow::estimate_batch(bool is_full) {
   linearize_at_present(window_);
   set_initial_prior(window_, priors_, rest_);
   estimate();
-  const bool is_settled = !(scale_sigma_ratio(window_) > kSettledScale_ratio) &&
-                          !(window_.start && height_sigma_ratio(window_) > kSettledScale_ratio);
-  is_batch_ = !is_full && !is_settled;
+  is_batch_ = !is_full && !is_settled();
   if (window_.start) {
     const GroundRelief& relief = window_.start->relief;
     if (relief.is_rough() || (!is_batch_ && !relief.is_plane())) {
