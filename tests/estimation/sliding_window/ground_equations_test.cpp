@@ -104,6 +104,29 @@ TEST(GroundEquations, GradientIsTheSlopeOfTheCost) {
   }
 }
 
+// Linearized at other positions and another height, they still measure ratios of lengths only.
+TEST(GroundEquations, LinearizationPointDoesNotMeasureScale) {
+  Window window = window_over_ground();
+  const auto camera = [&](std::size_t frame) {
+    return (window.frames[frame].state.world_from_imu * window.extrinsics.imu_from_camera)
+        .translation;
+  };
+  const std::vector<int> offsets = window.offsets();
+  Eigen::VectorXd height = Eigen::VectorXd::Zero(offsets.back());
+  height[SharedIndex::kGround + GroundIndex::kHeight] = -GroundViews(window, false).at(0).height_m;
+  Eigen::VectorXd scale = height;
+  for (std::size_t i = 1; i < window.frames.size(); ++i) {
+    scale.segment<3>(offsets[i] + InertialIndex::kPosition) = camera(i) - camera(0);
+  }
+  window.first_ground.height_m *= 1.05;
+  for (std::size_t i = 1; i < window.frames.size(); ++i) {
+    window.frames[i].first_estimate = window.frames[i].state;
+    window.frames[i].first_estimate->world_from_imu.translation += Eigen::Vector3d(0.1, -0.2, 0.1);
+  }
+  const Eigen::MatrixXd H = window_equations(window, alignments_of(window)).information;
+  EXPECT_LT(scale.dot(H * scale), 1e-9 * height.dot(H * height));
+}
+
 // Errors of one keyframe's image are in all its alignments: any number of them leaves half of the
 // variance of one.
 TEST(GroundEquations, NoiseOfTheKeyframeDoesNotAverageOut) {
