@@ -137,13 +137,13 @@ NavigationEstimate WindowNavigator::initialize(const Frame& frame, const FrameIn
   return answer(frame, Verdict::first_frame, true);
 }
 
-// While the ground plane is assumed, with a known height.
+// While the ground plane is assumed.
 std::optional<KeyframeView> WindowNavigator::align_to_ground(const Frame& frame,
                                                              const FrameInterval& interval,
                                                              const SensorReadings& readings) {
   has_flow_keyframe_ = false;
   const Window& window = window_.window();
-  if (!window.start || !window.start->is_height_known()) return std::nullopt;
+  if (!window.start) return std::nullopt;
   FlowHints hints;
   if (const auto keyframe = window.find(window.ground_keyframe_id)) {
     const GroundView ground = GroundViews(window, false).at(*keyframe);

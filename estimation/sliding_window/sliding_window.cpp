@@ -99,8 +99,7 @@ void SlidingWindow::take_keyframe(std::span<const FeatureObservation> features,
 }
 
 bool SlidingWindow::can_align_to_ground() const {
-  return is_scale_measured() && window_.start && window_.start->is_height_known() &&
-         height_sigma_ratio(window_) < kSettledScale_ratio;
+  return is_scale_measured() && window_.start && height_sigma_ratio(window_) < kSettledScale_ratio;
 }
 
 void SlidingWindow::take_ground_keyframe() {
@@ -219,6 +218,7 @@ void SlidingWindow::move(const Eigen::Quaterniond& yaw, const Eigen::Vector3d& f
 void SlidingWindow::estimate() {
   constexpr int kMaxBatchIterations = 20;
   const WindowFit fit = optimize(window_, is_batch_ ? kMaxBatchIterations : kMaxIterations);
+  linearize_lengths_at_present(window_);
   if (fit.newest_covariance) {
     covariance_ = *fit.newest_covariance;
   } else {

@@ -61,7 +61,7 @@ class SlidingWindow {
   [[nodiscard]] const InertialState& state() const { return window_.frames.back().state; }
   /// All measurements together, not the start's height alone, give the scale.
   [[nodiscard]] bool is_scale_measured() const { return is_initialized_ && !is_batch_; }
-  /// The height above the ground is given and measured to 0.5 %.
+  /// The height above a ground plane is known to 0.5 %.
   [[nodiscard]] bool can_align_to_ground() const;
   /// Pose at the newest image.
   [[nodiscard]] RigidTransform world_from_imu() const {

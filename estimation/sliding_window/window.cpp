@@ -118,6 +118,35 @@ void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vec
   window.prior.gradient = axes * window.prior.gradient;
 }
 
+void linearize_lengths_at_present(Window& window) {
+  const std::vector<int> offsets = window.offsets();
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(offsets.back());
+  const auto move = [&](int at, const Eigen::Vector3d& present, Eigen::Vector3d& first) {
+    change.segment<3>(at) = present - first;
+    first = present;
+  };
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    WindowFrame& frame = window.frames[i];
+    if (!frame.first_estimate) continue;
+    const InertialState& state = frame.state;
+    InertialState& first = *frame.first_estimate;
+    move(offsets[i] + InertialIndex::kPosition, state.world_from_imu.translation,
+         first.world_from_imu.translation);
+    if (!frame.has_motion) continue;
+    move(offsets[i] + InertialIndex::kVelocity, state.velocity_in_world_m_s,
+         first.velocity_in_world_m_s);
+  }
+  // height below the newest frame; the slope stays
+  const auto height_m = [&](const WindowGround& ground) {
+    const RigidTransform& pose = window.frames.back().state.world_from_imu;
+    return ground.height_m + ground.slope.dot(pose.translation.head<2>());
+  };
+  const double rise_m = height_m(window.ground) - height_m(window.first_ground);
+  change[SharedIndex::kGround + GroundIndex::kHeight] = rise_m;
+  window.first_ground.height_m += rise_m;
+  window.prior.gradient -= window.prior.information * change;
+}
+
 void linearize_at_present(Window& window) {
   constexpr double kMinShift_s = 2e-5;
   const double shift_s = window.image_shift_s();

@@ -88,11 +88,6 @@ struct StartAboveGround {
   GroundRelief relief;
   bool is_level = false;  ///< the measured slope is that of a level ground
 
-  /// The height is known well enough for first-estimate Jacobians of alignments to the ground.
-  [[nodiscard]] bool is_height_known() const {
-    constexpr double kMaxSigma_ratio = 0.005;
-    return height_sigma_m <= kMaxSigma_ratio * world_from_imu.translation.z();
-  }
   /// Standard deviation of the ground's slope, per axis.
   [[nodiscard]] double slope_sigma() const {
     constexpr double kBeach = 0.05;  // one in twenty
@@ -145,6 +140,11 @@ void integrate_imu(Window& window, std::size_t frame);
 /// `to`. No measurement of the window depends on either.
 void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from,
                  const Eigen::Vector3d& to);
+
+/// Makes present positions, velocities and height above the ground, in which the prior is linear,
+/// the linearization point of the frames that have a first estimate. The prior stays the same
+/// function.
+void linearize_lengths_at_present(Window& window);
 
 /// Makes the present extrinsics and ground the linearization point, with the states at the times of
 /// the images. All frames have a motion, and the prior does not depend on them.

@@ -47,6 +47,41 @@ TEST(Marginalization, OfAKeyframeNeverGainsInformation) {
   EXPECT_LT(ratio.maxCoeff(), 3);
 }
 
+// With first estimates where the window was before, a displacement of the whole window would change
+// baselines and IMU motions between frames with and without one.
+TEST(Marginalization, DisplacementOfTheWindowChangesNoEquations) {
+  Window window = true_window();
+  marginalize_motion(window, 0);
+  ASSERT_TRUE(window.frames[1].first_estimate);
+  ASSERT_FALSE(window.frames[2].first_estimate);
+  const WindowEquations before = window_equations(window, whole_window(window));
+  const Eigen::Vector3d displacement(0.3, -0.2, 0.1);
+  for (WindowFrame& frame : window.frames) {
+    frame.state.world_from_imu.translation += displacement;
+  }
+  window.ground.height_m += displacement.z();
+  linearize_lengths_at_present(window);
+  const WindowEquations after = window_equations(window, whole_window(window));
+  EXPECT_LT((after.information - before.information).norm(), 1e-9 * before.information.norm());
+}
+
+TEST(Marginalization, PriorIsTheSameFunctionOfTheLengths) {
+  Window window = true_window();
+  marginalize_motion(window, 0);
+  std::srand(3);
+  for (WindowFrame& frame : window.frames) {
+    frame.state = plus(frame.state, 0.01 * InertialError::Random());
+  }
+  window.ground = plus(window.ground, 0.01 * GroundError::Random());
+  const WindowEquations before = window_equations(window, {});
+  linearize_lengths_at_present(window);
+  const WindowEquations after = window_equations(window, {});
+  EXPECT_EQ(window.frames[1].first_estimate->world_from_imu.translation,
+            window.frames[1].state.world_from_imu.translation);
+  EXPECT_LT((after.information - before.information).norm(), 1e-12 * before.information.norm());
+  EXPECT_LT((after.gradient - before.gradient).norm(), 1e-9 * before.gradient.norm());
+}
+
 TEST(Marginalization, MergedFrameKeepsTheImuChain) {
   Window window = true_window();
   const double duration_s = window.frames[2].imu.duration_s() + window.frames[3].imu.duration_s();
