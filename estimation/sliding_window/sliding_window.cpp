@@ -218,7 +218,7 @@ void SlidingWindow::move(const Eigen::Quaterniond& yaw, const Eigen::Vector3d& f
 void SlidingWindow::estimate() {
   constexpr int kMaxBatchIterations = 20;
   const WindowFit fit = optimize(window_, is_batch_ ? kMaxBatchIterations : kMaxIterations);
-  linearize_lengths_at_present(window_);
+  move_first_estimates(window_);
   if (fit.newest_covariance) {
     covariance_ = *fit.newest_covariance;
   } else {

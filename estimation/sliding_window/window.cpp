@@ -16,6 +16,20 @@ bool biases_have_changed(const WindowFrame& frame) {
          (state.accel_bias_m_s2 - frame.imu.accel_bias_m_s2()).norm() > kMin_m_s2;
 }
 
+// Common factor of the distances from an origin, since the first estimates.
+double change_of_scale(const Window& window, const Eigen::Vector3d& origin_m,
+                       const Eigen::Vector3d& origin_to_m) {
+  double along_m2 = 0;
+  double squared_m2 = 0;
+  for (const WindowFrame& frame : window.frames) {
+    if (!frame.first_estimate) continue;
+    const Eigen::Vector3d first_m = frame.first_estimate->world_from_imu.translation - origin_m;
+    along_m2 += first_m.dot(frame.state.world_from_imu.translation - origin_to_m);
+    squared_m2 += first_m.squaredNorm();
+  }
+  return along_m2 > 0 && squared_m2 > 0 ? along_m2 / squared_m2 : 1;
+}
+
 }  // namespace
 
 Vector6d WindowFrame::pose_rate() const {
@@ -118,28 +132,32 @@ void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vec
   window.prior.gradient = axes * window.prior.gradient;
 }
 
-void linearize_lengths_at_present(Window& window) {
+void move_first_estimates(Window& window) {
+  const auto newest = std::find_if(window.frames.rbegin(), window.frames.rend(),
+                                   [](const WindowFrame& f) { return f.first_estimate; });
+  if (newest == window.frames.rend()) return;
+  const Eigen::Vector3d origin_m = newest->first_estimate->world_from_imu.translation;
+  const Eigen::Vector3d origin_to_m = newest->state.world_from_imu.translation;
+  const double factor = change_of_scale(window, origin_m, origin_to_m);
   const std::vector<int> offsets = window.offsets();
   Eigen::VectorXd change = Eigen::VectorXd::Zero(offsets.back());
-  const auto move = [&](int at, const Eigen::Vector3d& present, Eigen::Vector3d& first) {
-    change.segment<3>(at) = present - first;
-    first = present;
+  const auto move = [&](int at, Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    change.segment<3>(at) = to - from;
+    from = to;
   };
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     WindowFrame& frame = window.frames[i];
     if (!frame.first_estimate) continue;
-    const InertialState& state = frame.state;
-    InertialState& first = *frame.first_estimate;
-    move(offsets[i] + InertialIndex::kPosition, state.world_from_imu.translation,
-         first.world_from_imu.translation);
+    Eigen::Vector3d& position_m = frame.first_estimate->world_from_imu.translation;
+    Eigen::Vector3d& velocity_m_s = frame.first_estimate->velocity_in_world_m_s;
+    move(offsets[i] + InertialIndex::kPosition, position_m,
+         origin_to_m + factor * (position_m - origin_m));
     if (!frame.has_motion) continue;
-    move(offsets[i] + InertialIndex::kVelocity, state.velocity_in_world_m_s,
-         first.velocity_in_world_m_s);
+    move(offsets[i] + InertialIndex::kVelocity, velocity_m_s, factor * velocity_m_s);
   }
-  // height below the newest frame; the slope stays
+  // to the present height below the newest frame; the slope stays
   const auto height_m = [&](const WindowGround& ground) {
-    const RigidTransform& pose = window.frames.back().state.world_from_imu;
-    return ground.height_m + ground.slope.dot(pose.translation.head<2>());
+    return ground.height_m + ground.slope.dot(origin_to_m.head<2>());
   };
   const double rise_m = height_m(window.ground) - height_m(window.first_ground);
   change[SharedIndex::kGround + GroundIndex::kHeight] = rise_m;

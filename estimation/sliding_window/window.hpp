@@ -141,10 +141,10 @@ void integrate_imu(Window& window, std::size_t frame);
 void move_window(Window& window, const Eigen::Quaterniond& yaw, const Eigen::Vector3d& from,
                  const Eigen::Vector3d& to);
 
-/// Makes present positions, velocities and height above the ground, in which the prior is linear,
-/// the linearization point of the frames that have a first estimate. The prior stays the same
-/// function.
-void linearize_lengths_at_present(Window& window);
+/// Moves the first estimates of positions, velocities and height above the ground, in which the
+/// prior is linear, as the window has moved since: by a displacement and a common factor. The prior
+/// stays the same function.
+void move_first_estimates(Window& window);
 
 /// Makes the present extrinsics and ground the linearization point, with the states at the times of
 /// the images. All frames have a motion, and the prior does not depend on them.

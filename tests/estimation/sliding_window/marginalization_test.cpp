@@ -60,9 +60,27 @@ TEST(Marginalization, DisplacementOfTheWindowChangesNoEquations) {
     frame.state.world_from_imu.translation += displacement;
   }
   window.ground.height_m += displacement.z();
-  linearize_lengths_at_present(window);
+  move_first_estimates(window);
   const WindowEquations after = window_equations(window, whole_window(window));
   EXPECT_LT((after.information - before.information).norm(), 1e-9 * before.information.norm());
+}
+
+TEST(Marginalization, FirstEstimatesFollowASimilarity) {
+  Window window = true_window();
+  marginalize_motion(window, 0);
+  for (WindowFrame& frame : window.frames) {
+    frame.state.world_from_imu.translation =
+        1.1 * frame.state.world_from_imu.translation + Eigen::Vector3d(1, 2, 3);
+    frame.state.velocity_in_world_m_s *= 1.1;
+  }
+  move_first_estimates(window);
+  for (const WindowFrame& frame : window.frames) {
+    if (!frame.first_estimate) continue;
+    const InertialError error = minus(frame.state, *frame.first_estimate);
+    EXPECT_LT(error.segment<3>(InertialIndex::kPosition).norm(), 1e-9) << frame.id;
+    if (!frame.has_motion) continue;
+    EXPECT_LT(error.segment<3>(InertialIndex::kVelocity).norm(), 1e-9) << frame.id;
+  }
 }
 
 TEST(Marginalization, PriorIsTheSameFunctionOfTheLengths) {
@@ -74,7 +92,7 @@ TEST(Marginalization, PriorIsTheSameFunctionOfTheLengths) {
   }
   window.ground = plus(window.ground, 0.01 * GroundError::Random());
   const WindowEquations before = window_equations(window, {});
-  linearize_lengths_at_present(window);
+  move_first_estimates(window);
   const WindowEquations after = window_equations(window, {});
   EXPECT_EQ(window.frames[1].first_estimate->world_from_imu.translation,
             window.frames[1].state.world_from_imu.translation);
