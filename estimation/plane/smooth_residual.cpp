@@ -61,15 +61,13 @@ std::optional<SmoothResidual> measure_smooth_residual(const PlaneObservations& t
     cells[c] = residual_of(sums[c], solution.noise_variance);
   }
   // weights by noise: cells of little texture count less
-  double products = 0, weight = 0, squared = 0;
+  double products = 0, weight = 0;
   int pairs = 0;
   const auto add = [&](const auto& a, const auto& b) {
     if (!a || !b) return;
-    const double noise = std::sqrt(a->variance_px2 * b->variance_px2);
-    const double w = 1 / noise;
+    const double w = 1 / std::sqrt(a->variance_px2 * b->variance_px2);
     products += 0.5 * w * a->mean_px.dot(b->mean_px);
     weight += w;
-    squared += 0.5 * w * w * noise * noise;
     ++pairs;
   };
   for (int row = 0; row < kDown; ++row) {
@@ -80,7 +78,7 @@ std::optional<SmoothResidual> measure_smooth_residual(const PlaneObservations& t
     }
   }
   if (pairs < kMinPairs) return std::nullopt;
-  return SmoothResidual{products / weight, std::sqrt(squared) / weight};
+  return SmoothResidual{products / weight, std::sqrt(0.5 * pairs) / weight};
 }
 
 }  // namespace stillkite

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <random>
 #include <utility>
@@ -37,18 +38,20 @@ inline Window true_window() {
     }
     append_frame(window, std::move(frame));
     for (const FeatureObservation& feature : observe(motion, t_s, points, 1e-3, random)) {
+      const Eigen::Matrix2d information =
+          feature.covariance.llt().solve(Eigen::Matrix2d::Identity());
       const auto known = std::find_if(window.tracks.begin(), window.tracks.end(),
                                       [&](const auto& t) { return t.id == feature.track_id; });
       const bool is_of_second = feature.track_id % 2 == 1;
       if (known != window.tracks.end()) {
-        known->observations.push_back({i, feature.bearing, feature.covariance.inverse()});
+        known->observations.push_back({i, feature.bearing, information});
       } else if (i == (is_of_second ? 1 : 0)) {
         const RigidTransform world_from_camera =
             motion.state(t_s).world_from_imu * motion.extrinsics.imu_from_camera;
         const Eigen::Vector3d x =
             world_from_camera.inverse() * points[static_cast<std::size_t>(feature.track_id)];
         window.tracks.push_back({feature.track_id,
-                                 {{i, feature.bearing, feature.covariance.inverse()}},
+                                 {{i, feature.bearing, information}},
                                  InverseDepthPoint{x.hnormalized(), 1 / x.z()}});
       }
     }

@@ -153,6 +153,18 @@ TEST(SlidingWindow, ImuCorrectsAWrongHeight) {
   EXPECT_LT(flight.error_m(), 4 * flight.sigma_m());
 }
 
+// The height that corrects itself after the start is the linearization point too.
+TEST(SlidingWindow, LinearizationPointFollowsTheHeight) {
+  FlightAboveGround flight(0, 1.1);
+  while (flight.run.frame < 200) flight.run.step();
+  const Window& window = flight.run.window->window();
+  const Eigen::Vector2d below = window.frames.back().state.world_from_imu.translation.head<2>();
+  const auto height_m = [&](const WindowGround& ground) {
+    return ground.height_m + ground.slope.dot(below);
+  };
+  EXPECT_NEAR(height_m(window.first_ground), height_m(window.ground), 1e-4);
+}
+
 TEST(SlidingWindow, ForgetsAGroundThatIsNoPlane) {
   FlightAboveGround flight(2);
   while (flight.run.frame < 200) flight.run.step();
